@@ -26,7 +26,7 @@ use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::bead::height_of;
 use std::f64::consts::FRAC_PI_4;
-use std::ops::{Range, RangeInclusive};
+use std::ops::RangeInclusive;
 
 /// Greatest gap between a support and what it holds above it, and between a
 /// support and what it stands on, if the settings ask for none that is wider.
@@ -102,6 +102,8 @@ struct Layer {
     /// Height of the first bead of the part that does not rise, and how high
     /// the file says that it is.
     level: Option<(Mm, Mm)>,
+    /// True if some of its beads rise.
+    rises: bool,
     /// Cells of beads that were reported to hang in the air.
     reported: Cells,
     /// True if the file calls some of its beads bridges or overhangs.
@@ -175,6 +177,7 @@ impl Ground {
         self.here.bridges |= matches!(step.role, Role::Bridge | Role::Overhang);
         self.here.top = Some(self.here.top.map_or(highest, |t| t.max(highest)));
         let level = (step.to.z - step.from.z).abs() < ROUNDED;
+        self.here.rises |= !level;
         if level {
             let bottom = step.to.z - step.height;
             let lowest = self.here.bottom.map_or(bottom, |b| b.min(bottom));
@@ -220,11 +223,11 @@ impl Ground {
             let Some([below, before]) = tops else {
                 continue;
             };
-            let own = z - height - ROUNDED..z - ROUNDED;
             if z < below - PLOUGH {
                 let (top, how) = (below, How::Low);
                 wrong = wrong.or(Some(Wrong { at, top, how }));
-            } else if below < low && !self.lies_on_own(cell, before, own) {
+            } else if below < low && !self.lies_on_own(cell, before, z, height)
+            {
                 if step.role == Role::OuterWall {
                     self.here.walls.mark(cell);
                 }
@@ -241,10 +244,14 @@ impl Ground {
         wrong
     }
 
-    /// True if a bead lies on another one of its layer, whose top is within a range,
-    /// as the flat turn does that ends a climbing wall. `before` is the top that the
-    /// cell had without the bead.
-    fn lies_on_own(&self, cell: IVec2, before: Mm, own: Range<Mm>) -> bool {
+    /// True if a bead, whose top is at `z`, lies on another one of its layer, as the
+    /// flat turn does that ends a climbing wall. `before` is the top that the cell had
+    /// without the bead.
+    fn lies_on_own(&self, cell: IVec2, before: Mm, z: Mm, height: Mm) -> bool {
+        if !self.here.rises {
+            return false;
+        }
+        let own = z - height - ROUNDED..z - ROUNDED;
         let top = |near| self.columns.at(near).map(|seen| seen.top);
         let mut near = around(cell).filter_map(top);
         own.contains(&before) || near.any(|top| own.contains(&top))
