@@ -16,6 +16,16 @@ const ONE_BY_ONE: [&str; 3] = [
     "printer.gantry_height=20",
 ];
 
+/// The G-code of a formula with these settings passes the check that each slice makes.
+fn passes(formula: &str, own: &[&str]) {
+    let settings = settings(own);
+    let model = crate::common::formula(formula, &settings);
+    let options = Options::default();
+    let out = &mut Vec::new();
+    let sliced = isoslice::pipeline::slice(&model, &settings, &options, out);
+    assert!(sliced.is_ok(), "{formula} {own:?}: {sliced:?}");
+}
+
 /// Slices tables with each kind of comments and the heights of layers at which
 /// supports, which have heights of their own, lie just above or below the part's.
 fn all_pass(copies: u64, layers: &str, more: &[&str]) {
@@ -96,16 +106,7 @@ fn beads_that_rise_have_more_plastic_than_others() {
     for comments in ["prusa", "cura", "none"] {
         for (formula, own) in RISING {
             let more = [&format!("gcode.comments={comments}"), "contour_z=100"];
-            let settings = settings(&[own, &more].concat());
-            let model = crate::common::formula(formula, &settings);
-            let mut out = Vec::new();
-            let sliced = isoslice::pipeline::slice(
-                &model,
-                &settings,
-                &Options::default(),
-                &mut out,
-            );
-            assert!(sliced.is_ok(), "{comments} {formula}: {sliced:?}");
+            passes(formula, &[own, &more].concat());
         }
     }
 }
@@ -132,21 +133,13 @@ fn any_plastic_passes_with_any_comments() {
                 plastic,
                 "accuracy=0.02",
             ];
-            let settings = settings(&own);
-            let model = crate::common::formula(wheel, &settings);
-            let sliced = isoslice::pipeline::slice(
-                &model,
-                &settings,
-                &Options::default(),
-                &mut Vec::new(),
-            );
-            assert!(sliced.is_ok(), "{comments} {plastic}: {sliced:?}");
+            passes(wheel, &own);
         }
     }
 }
 
-/// What settings ask for is no fault: ends of scarfs with much plastic, and filament that
-/// is missing at the beginning of each of many short beads.
+/// What settings ask for is no fault: ends of scarfs with much plastic, and filament
+/// that is missing at the beginning of each of many short beads.
 #[test]
 fn legal_settings_pass() {
     let many = "max(max(sin(2*x), sin(2*y)) - 0.1, max(max(abs(x), abs(y)) - 6, \
@@ -159,14 +152,6 @@ fn legal_settings_pass() {
         ),
         (ball, &["flow=150", "seam_scarf=10"][..]),
     ] {
-        let settings = settings(own);
-        let model = crate::common::formula(formula, &settings);
-        let sliced = isoslice::pipeline::slice(
-            &model,
-            &settings,
-            &Options::default(),
-            &mut Vec::new(),
-        );
-        assert!(sliced.is_ok(), "{formula}: {sliced:?}");
+        passes(formula, own);
     }
 }

@@ -263,7 +263,8 @@ impl Flow {
     }
 
     /// What is wrong with the rise of the layer with this number, which ends. `flow`
-    /// are the least and the greatest one by the settings.
+    /// are the least and the greatest one by the settings: a formula may ask for any,
+    /// and then no step from layer to layer is too much.
     pub(super) fn rise(
         &mut self,
         number: u32,

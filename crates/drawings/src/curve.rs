@@ -56,7 +56,7 @@ impl Curve {
         }
     }
 
-    /// True if all coordinates are numbers, none of them greater than `far`.
+    /// True if all coordinates are numbers, none of them farther from 0 than `far`.
     pub(crate) fn is_within(&self, far: f64) -> bool {
         let Rect { min, max } = self.bounds();
         self.is_finite() && max.max(-min).max_element() <= far

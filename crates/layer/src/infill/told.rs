@@ -7,8 +7,9 @@ use super::InfillPlan;
 use isoslice_base::units::Mm2;
 use isoslice_planar::bead::{Bead, Role};
 
-/// A shape without a line in more room than this has none, mm²: usual cells are
-/// smaller than 20 mm by 20 mm.
+/// Room for infill from which on it is told that a shape has no line there, mm² in all
+/// layers together. Usual cells are smaller than 20 mm by 20 mm: less room may lie
+/// between two lines.
 const ROOM: Mm2 = 400.0;
 
 /// What is counted of infill.

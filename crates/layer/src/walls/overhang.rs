@@ -10,8 +10,8 @@
 //! begins or ceases to hang, if it is a wall. A wall that has grown wider
 //! reaches another wall beside it. It does not hang if that one lies on the layer
 //! below. Beads that fill gaps between walls are left as they are: walls hold
-//! them on both sides. A bead may hang over by a share of its width: at half of the width, it is
-//! the centre line that must not leave the solid.
+//! them on both sides. A bead may hang over by a share of its width: at half of the
+//! width, it is the centre line that must not leave the solid.
 
 use crate::walls::WallPlan;
 use glam::DVec2;
