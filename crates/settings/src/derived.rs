@@ -121,9 +121,12 @@ impl Settings {
     }
 
     /// Distance of the ends of skin's lines from the centre line of the ring
-    /// around them, mm.
+    /// around them, mm: half a nozzle for lines of the usual width, which is about half
+    /// of their spacing, and more for wider lines.
     pub fn off_skin_ring(&self) -> Mm {
-        0.5 * self.printer.nozzle_diameter + self.skin_ring_gap
+        /// The usual width, in nozzles.
+        const USUAL: f64 = 1.125;
+        0.5 * self.skin_width() / USUAL + self.skin_ring_gap
     }
 
     /// True if skin over sparse infill becomes internal bridges. At a border

@@ -10,8 +10,12 @@
 //!
 //! In: an area to be filled, and the layer below. Out: the parts of the area
 //! that are bridges, each with the direction of its lines. An area that hangs
-//! in the air without two sides to hang from (the next ring of a dome's inside,
-//! a balcony) is no bridge: it is left, and printed as ordinary skin.
+//! in the air without two sides to hang from (a balcony) is no bridge: it is left,
+//! and printed as ordinary skin. Where no supports are to hold what hangs:
+//! - a narrow ring between a rim that is held and a hole, as in the ceiling of a
+//!   counterbore, is laid in rings;
+//! - elsewhere lines may hang although many of them end at a hole, if some reach
+//!   from side to side. The others are laid beside those ([`held_first`]).
 //!
 //! The directions tried are a fan of angles and those of the gap's longer
 //! sides. The one with the shortest spans wins, where an end that nothing holds
@@ -21,14 +25,16 @@
 
 use super::direction::{across, best, common, fan, rows};
 use super::gaps::{Gap, Span, spans};
+use super::sweep;
 use crate::cover::neighbour::Neighbour;
 use glam::DVec2;
 use isoslice_base::units::{Degrees, Mm};
+use isoslice_planar::bead::Stroke;
 use isoslice_planar::clip::{difference, intersection};
 use isoslice_planar::grid::EdgeGrid;
 use isoslice_planar::hatch::{Lines, Segment, hatch};
 use isoslice_planar::nest::Nest;
-use isoslice_planar::opening::opened;
+use isoslice_planar::opening::{is_wider, opened};
 use isoslice_planar::{Area, BoxTree, Ring, edges, point_beside, signed_area};
 use std::collections::BTreeSet;
 
@@ -38,8 +44,29 @@ pub(super) struct Bridge {
     /// The area of the bridge, with the strips on both sides that its lines
     /// reach onto.
     pub area: Area,
-    /// Direction of the lines.
-    pub angle: Degrees,
+    /// How its lines run.
+    pub way: Way,
+}
+
+/// How lines run over a gap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Way {
+    /// Across it, in a direction.
+    Across(Degrees),
+    /// Along its border.
+    Around,
+}
+
+/// The lines of bridges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hanging {
+    /// Width of the lines.
+    pub width: Mm,
+    /// How far lines reach onto what holds them.
+    pub anchor: Mm,
+    /// Width up to which a ring-shaped gap is laid in rings, a spacing of the lines
+    /// apart; none if what is held badly is left to supports.
+    pub rings: Option<(Mm, Mm)>,
 }
 
 /// Tolerance of the offsets. They are borders between lines inside the part,
@@ -53,31 +80,43 @@ const ROWS: f64 = 24.0;
 pub const ANCHOR: f64 = 2.0;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
+/// The same where what hangs has no supports. A third of the lines over a channel
+/// reach across beside a hole that takes two thirds of its length.
+const PARTLY_HELD: f64 = 0.2;
+/// Greatest share of a border that hangs where the rest is held, or is held where the
+/// rest hangs: so much has a channel with open ends that is four times as long as wide.
+const ELSE: f64 = 0.2;
 
-/// The bridges of an area over a layer, and what they leave of the area. Their
-/// lines are so wide, and reach so far onto what holds them.
+/// The bridges of an area over a layer, and what they leave of the area.
 pub(super) fn bridges(
     area: &Area,
     below: &Neighbour<'_>,
-    width: Mm,
-    anchor: Mm,
+    hanging: Hanging,
 ) -> (Vec<Bridge>, Area) {
+    let Hanging { width, anchor, .. } = hanging;
     let below = below.near(area);
-    let hanging = difference(area, &below);
     // A gap no wider than a bead is bridged by any bead: no direction is
     // needed.
-    let gaps = opened(&hanging, 0.5 * width, TOLERANCE);
+    let gaps = opened(&difference(area, &below), 0.5 * width, TOLERANCE);
     if gaps.is_empty() {
         return (Vec::new(), area.clone());
     }
     let grid = EdgeGrid::new(&below, width);
     let reach = anchor.max(0.5 * width);
     let gaps = gaps.islands().into_iter().map(|gap| {
-        let best = best_direction(&gap, &grid, width);
+        let best = best_way(&gap, &grid, hanging);
+        let reach = match (best, hanging.rings) {
+            // One ring lies on what holds the others.
+            (Some((_, Way::Around)), Some((_, spacing))) => spacing,
+            _ => reach,
+        };
         Gap::new(gap, best, reach, TOLERANCE)
     });
     let gaps: Vec<Gap> = gaps.collect();
-    let span = |gap: &Area, angle| held_span(gap, &grid, angle, width);
+    let span = |gap: &Area, angle| {
+        let (span, held) = hang(gap, &grid, angle, width)?;
+        (held >= HELD).then_some(span)
+    };
     let spans = spans(&gaps, span, reach, TOLERANCE);
     // Several pieces of a bridge are clipped each by itself.
     let (mut owners, mut takers) = (Vec::new(), Vec::new());
@@ -88,7 +127,7 @@ pub(super) fn bridges(
     }
     let bridge = |span: Span| Bridge {
         area: Area::EMPTY,
-        angle: span.angle,
+        way: span.way,
     };
     let mut found: Vec<Bridge> = spans.into_iter().map(bridge).collect();
     let (parts, left) = shared(area, &takers);
@@ -153,16 +192,61 @@ fn outer(area: &Area) -> Option<&Ring> {
 
 /// The best direction of lines across a gap, if they can hang there.
 pub fn direction(gap: &Area, below: &EdgeGrid, width: Mm) -> Option<Degrees> {
-    best_direction(gap, below, width).map(|best| best.1)
+    best_direction(&directions(gap, below, width), HELD).map(|best| best.1)
 }
 
-/// The best direction of lines across a gap, if they can hang there, after the
-/// span that is common among them.
-fn best_direction(
+/// How lines run best over a gap, if they can hang there, after the span that is
+/// common among them.
+fn best_way(
+    gap: &Area,
+    below: &EdgeGrid,
+    hanging: Hanging,
+) -> Option<(Mm, Way)> {
+    let directions = directions(gap, below, hanging.width);
+    let across = |held| {
+        let (span, angle) = best_direction(&directions, held)?;
+        Some((span, Way::Across(angle)))
+    };
+    across(HELD).or_else(|| {
+        let (narrow, _) = hanging.rings?;
+        let around = is_around_hole(gap, below, hanging.width)
+            .then_some((narrow, Way::Around));
+        if around.is_some() && !is_wider(gap, narrow, TOLERANCE) {
+            return around;
+        }
+        across(PARTLY_HELD).or(around)
+    })
+}
+
+/// True if a gap lies around holes that hang, or around what holds it: each of its
+/// borders is held, or none of it is.
+fn is_around_hole(gap: &Area, below: &EdgeGrid, width: Mm) -> bool {
+    let held = |ring: &Ring| {
+        let (mut held, mut length) = (0.0, 0.0);
+        for (a, b) in edges(ring) {
+            let own = a.distance(b);
+            let out = -(b - a).perp() / own.max(f64::MIN_POSITIVE);
+            length += own;
+            if holds(below, a.midpoint(b), out, width) {
+                held += own;
+            }
+        }
+        held / length
+    };
+    let shares: Vec<f64> = gap.rings.iter().map(held).collect();
+    let count =
+        |is: &dyn Fn(f64) -> bool| shares.iter().filter(|s| is(**s)).count();
+    let (held, free) = (count(&|s| s >= 1.0 - ELSE), count(&|s| s <= ELSE));
+    held > 0 && free > 0 && held + free == shares.len()
+}
+
+/// For each direction that may suit a gap: the span that is common among lines in it,
+/// the share of their length that is held at both ends, and the direction.
+fn directions(
     gap: &Area,
     below: &EdgeGrid,
     width: Mm,
-) -> Option<(Mm, Degrees)> {
+) -> Vec<(Mm, f64, Degrees)> {
     let mut sides: Vec<(Mm, Degrees)> = gap
         .rings
         .iter()
@@ -179,20 +263,22 @@ fn best_direction(
     let sides = sides.iter().map(|s| s.1);
     // The sides come first: of equally good directions the first one wins.
     let tried = sides.clone().chain(sides.map(across)).chain(fan());
-    best(tried.filter_map(|angle| {
-        Some((held_span(gap, below, angle, width)?, angle))
-    }))
+    tried
+        .filter_map(|angle| {
+            let (span, held) = hang(gap, below, angle, width)?;
+            Some((span, held, angle))
+        })
+        .collect()
 }
 
-/// The span that is common among lines in a direction, if they can hang.
-fn held_span(
-    gap: &Area,
-    below: &EdgeGrid,
-    angle: Degrees,
-    width: Mm,
-) -> Option<Mm> {
-    let (span, held) = hang(gap, below, angle, width)?;
-    (held >= HELD).then_some(span)
+/// The best direction in which such a share of the lines' length is held, after their
+/// common span.
+fn best_direction(
+    directions: &[(Mm, f64, Degrees)],
+    least: f64,
+) -> Option<(Mm, Degrees)> {
+    let held = directions.iter().filter(|(_, held, _)| *held >= least);
+    best(held.map(|&(span, _, angle)| (span, angle)))
 }
 
 /// For lines in a direction: the span that is common among them, and the share
@@ -230,14 +316,41 @@ pub fn hung(
     width: Mm,
 ) -> Vec<(Segment, [bool; 2])> {
     let along = DVec2::from_angle(lines.angle.to_radians());
-    // A wall may stand between the end of a line and what holds it.
-    let steps = [0.1, 0.5 * width, width, 1.5 * width, ANCHOR * width];
-    let holds = |p: DVec2, out: DVec2| {
-        steps.iter().any(|d| below.contains(p + out * *d))
-    };
+    let holds = |p, out| holds(below, p, out, width);
     let ends = |s: Segment| [holds(s.from, -along), holds(s.to, along)];
     let all = hatch(gap, lines, 0.1).into_iter();
     all.map(|s| (s, ends(s))).collect()
+}
+
+/// True if `below` holds what ends at a place, or a little farther `out`: a wall may
+/// stand between.
+fn holds(below: &EdgeGrid, p: DVec2, out: DVec2, width: Mm) -> bool {
+    let steps = [0.1, 0.5 * width, width, 1.5 * width, ANCHOR * width];
+    steps.iter().any(|d| below.contains(p + out * *d))
+}
+
+/// For each line of a bridge those that it waits for, if it has an end that nothing
+/// holds: it is laid beside one that is there. Empty if all lines are held.
+pub(super) fn held_first(
+    lines: &[(i64, Stroke)],
+    angle: Degrees,
+    below: &EdgeGrid,
+    width: Mm,
+) -> Vec<Vec<u32>> {
+    let is_held = |line: &Stroke| {
+        let ends = line.points.first().zip(line.points.last());
+        ends.is_some_and(|(&a, &b)| {
+            let out = (b - a).normalize_or_zero();
+            let holds =
+                |p, out| below.contains(p) || holds(below, p, out, width);
+            holds(a, -out) && holds(b, out)
+        })
+    };
+    let held: Vec<bool> = lines.iter().map(|(_, l)| is_held(l)).collect();
+    if held.iter().all(|held| *held) {
+        return Vec::new();
+    }
+    sweep::outwards(&sweep::after(lines, angle, width), &held)
 }
 
 #[cfg(test)]
@@ -248,7 +361,27 @@ mod tests {
     const ANCHORED: Mm = 1.5;
 
     fn bridges(area: &Area, below: &Area) -> (Vec<Bridge>, Area) {
-        super::bridges(area, &Neighbour::new(below), 0.45, ANCHORED)
+        hanging(area, below, Some((2.0, 0.4)))
+    }
+
+    fn hanging(
+        area: &Area,
+        below: &Area,
+        rings: Option<(Mm, Mm)>,
+    ) -> (Vec<Bridge>, Area) {
+        let hanging = Hanging {
+            width: 0.45,
+            anchor: ANCHORED,
+            rings,
+        };
+        super::bridges(area, &Neighbour::new(below), hanging)
+    }
+
+    fn angle(bridge: &Bridge) -> Degrees {
+        match bridge.way {
+            Way::Across(angle) => angle,
+            Way::Around => f64::NAN,
+        }
     }
 
     fn joined(parts: &[Area]) -> Area {
@@ -269,14 +402,14 @@ mod tests {
         let all = found[0].area.content() + rest.content();
         assert!((all - deck.content()).abs() < 1e-3, "{all}");
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].angle, 0.0);
+        assert_eq!(found[0].way, Way::Across(0.0));
         let reach = 10.0 + 2.0 * ANCHORED;
         let content = found[0].area.content();
         assert!((content - 40.0 * reach).abs() < 1.0, "{content}");
         // The direction turns by 20° when everything else does.
         let turned = |a: &Area| turned(a, 20.0_f64.to_radians());
         let (found, _) = bridges(&turned(&deck), &turned(&pillars));
-        assert!((found[0].angle - 20.0).abs() < 0.1, "{}", found[0].angle);
+        assert!((angle(&found[0]) - 20.0).abs() < 0.1);
     }
 
     #[test]
@@ -286,17 +419,92 @@ mod tests {
         let below = difference(&rect(-1.0, -1.0, 41.0, 31.0), &hole);
         let (found, _) = bridges(&roof, &below);
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].angle, 90.0);
+        assert_eq!(found[0].way, Way::Across(90.0));
     }
 
     #[test]
-    fn a_balcony_is_no_bridge_nor_is_the_next_ring_of_a_dome() {
+    fn a_balcony_is_no_bridge() {
         let deck = rect(0.0, 0.0, 30.0, 10.0);
         let house = rect(-1.0, -1.0, 20.0, 11.0);
         assert!(bridges(&deck, &house).0.is_empty());
-        let disc = |r: f64| disc(r, 200);
-        assert!(bridges(&disc(9.0), &disc(6.0)).0.is_empty());
         assert!(bridges(&deck, &deck).0.is_empty());
+    }
+
+    /// What hangs around a stem, and in the ceiling of a counterbore around its bore.
+    #[test]
+    fn what_hangs_around_something_is_laid_in_rings() {
+        let disc = |r: f64| disc(r, 200);
+        let around = |outer: f64, inner: f64| {
+            let inner = disc(inner);
+            let below =
+                difference(&rect(-20.0, -20.0, 20.0, 20.0), &disc(outer));
+            (difference(&disc(outer + 5.0), &inner), below)
+        };
+        // The bore leaves 1.6 mm, and 0.3 mm, which any bead bridges.
+        let (ceiling, below) = around(7.0, 5.4);
+        let (found, rest) = bridges(&ceiling, &below);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].way, Way::Around);
+        let ring = |outer: f64, inner: f64| {
+            std::f64::consts::PI * (outer * outer - inner * inner)
+        };
+        let content = found[0].area.content();
+        assert!((content / ring(7.4, 5.4) - 1.0).abs() < 0.01, "{content}");
+        let all = content + rest.content();
+        assert!((all - ceiling.content()).abs() < 1e-3);
+        let (ceiling, below) = around(7.0, 6.7);
+        assert!(bridges(&ceiling, &below).0.is_empty());
+        // Lines cross a wide ceiling beside its bore.
+        let (ceiling, below) = around(15.0, 4.0);
+        let found = bridges(&ceiling, &below).0;
+        assert!(found.iter().all(|b| b.way != Way::Around) && found.len() == 1);
+        for (outer, inner) in [(7.5, 6.0), (12.0, 6.0)] {
+            let found = bridges(&disc(outer), &disc(inner)).0;
+            assert_eq!(found.len(), 1);
+            assert_eq!(found[0].way, Way::Around);
+            // Supports may hold it.
+            assert!(hanging(&disc(outer), &disc(inner), None).0.is_empty());
+        }
+    }
+
+    /// A deck between two piers, with a hole that takes most of its width.
+    #[test]
+    fn lines_hang_beside_a_large_hole_and_the_others_follow_them() {
+        let deck = rect(0.0, 0.0, 30.0, 20.0);
+        let hole =
+            Area::from(moved(disc(7.0, 100).rings.remove(0), 15.0, 10.0));
+        let deck = difference(&deck, &hole);
+        let piers = joined(&[
+            rect(-1.0, -1.0, 5.0, 21.0),
+            rect(25.0, -1.0, 31.0, 21.0),
+        ]);
+        assert!(hanging(&deck, &piers, None).0.is_empty());
+        let (found, _) = bridges(&deck, &piers);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].way, Way::Across(0.0));
+        let row = |y: i64, from: f64, to: f64| {
+            let points = [from, to].map(|x| DVec2::new(x, y as f64));
+            (y, Stroke::new(points.to_vec(), false, 0.45))
+        };
+        // Rows 4 to 6 end at the hole.
+        let lines: Vec<_> = (2..9)
+            .flat_map(|y| match y {
+                4..7 => vec![row(y, 4.0, 12.0), row(y, 18.0, 26.0)],
+                _ => vec![row(y, 4.0, 26.0)],
+            })
+            .collect();
+        let after = held_first(&lines, 0.0, &EdgeGrid::new(&piers, 1.0), 0.45);
+        let none: Vec<u32> = Vec::new();
+        assert_eq!(after[0], none);
+        assert_eq!(after[1], none);
+        assert_eq!((&after[2], &after[3]), (&vec![1], &vec![1]));
+        assert_eq!((&after[4], &after[5]), (&vec![2, 6], &vec![3, 7]));
+        assert_eq!((&after[6], &after[7]), (&vec![8], &vec![8]));
+        let whole = &lines[..2];
+        assert!(
+            held_first(whole, 0.0, &EdgeGrid::new(&piers, 1.0), 0.45)
+                .is_empty()
+        );
     }
 
     #[test]
@@ -306,7 +514,7 @@ mod tests {
             joined(&[rect(5.0, 5.0, 25.0, 9.0), rect(40.0, 5.0, 44.0, 25.0)]);
         let below = difference(&rect(-1.0, -1.0, 61.0, 31.0), &holes);
         let mut angles: Vec<f64> =
-            bridges(&deck, &below).0.iter().map(|b| b.angle).collect();
+            bridges(&deck, &below).0.iter().map(angle).collect();
         angles.sort_by(f64::total_cmp);
         assert_eq!(angles, [0.0, 90.0]);
     }
@@ -326,7 +534,7 @@ mod tests {
         }
         let (found, rest) = bridges(&deck, &below);
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].angle, 90.0);
+        assert_eq!(found[0].way, Way::Across(90.0));
         // All of the land between the holes is part of it.
         let holes = rect(4.0, 4.0, 57.0, 56.0);
         let over = intersection(&found[0].area, &holes).content();
@@ -365,10 +573,10 @@ mod tests {
         let (found, _) = bridges(&deck, &below);
         assert_eq!(found.len(), 2);
         for bridge in found {
-            let (own, other, side) = if bridge.angle == 90.0 {
+            let (own, other, side) = if bridge.way == Way::Across(90.0) {
                 (&wide, &tall, rect(20.0, 10.0, 20.6, 14.0))
             } else {
-                assert_eq!(bridge.angle, 0.0);
+                assert_eq!(bridge.way, Way::Across(0.0));
                 (&tall, &wide, rect(20.0, 10.0, 20.6, 14.0))
             };
             let over = |what: &Area| intersection(&bridge.area, what).content();
@@ -389,7 +597,7 @@ mod tests {
         ]);
         let (found, _) = bridges(&deck, &below);
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].angle, 0.0);
+        assert_eq!(found[0].way, Way::Across(0.0));
         let beyond = rect(14.6, -1.0, 41.0, 31.0);
         let beyond = intersection(&found[0].area, &beyond).content();
         assert!(beyond < 0.05, "{beyond}");

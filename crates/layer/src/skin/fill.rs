@@ -4,7 +4,7 @@
 //! infill beside it. Out: its rings, and its fills by role, in print order:
 //! fills that are seen come last.
 
-use super::bridge::{Bridge, bridges};
+use super::bridge::{Bridge, Hanging, Way, bridges, held_first};
 use super::plan::{Look, SkinPlan};
 use super::roles::Sides;
 use super::strokes::strokes;
@@ -88,7 +88,7 @@ impl Filler<'_> {
         }
         let ring = self.beside(self.plan.internal.width);
         let mut around = patch(island, ring, TOLERANCE);
-        let inside = around.inside(self.plan.off_ring, TOLERANCE);
+        let inside = around.inside(self.plan.off_ring, ring, TOLERANCE);
         let outside = |s: &Stroke| {
             let middle = s.segments().next().map(|(a, b)| a.midpoint(b));
             !middle.is_some_and(|p| inside.contains(p))
@@ -138,8 +138,9 @@ impl Filler<'_> {
             None => return None,
         };
         let space = spacing(look.width, look.width, self.height);
+        let across = |b: &Bridge| b.way != Way::Around;
         if is_wider(island, NESTED * space, TOLERANCE)
-            || !self.bridged(island, sides).0.is_empty()
+            || self.bridged(island, sides).0.iter().any(across)
         {
             return None;
         }
@@ -198,7 +199,16 @@ impl Filler<'_> {
     fn bridged(&self, area: &Area, sides: Sides<'_>) -> (Vec<Bridge>, Area) {
         match self.over_air(sides) {
             Some(below) => {
-                bridges(area, below, self.plan.bottom.width, self.plan.anchor)
+                let width = self.plan.bottom.width;
+                let space = spacing(width, width, self.height);
+                let rings = (NESTED * space, space);
+                let hanging = Hanging {
+                    width,
+                    anchor: self.plan.anchor,
+                    // Supports may hold what stays skin.
+                    rings: (self.plan.hung == Role::Bridge).then_some(rings),
+                };
+                bridges(area, below, hanging)
             }
             None => (Vec::new(), area.clone()),
         }
@@ -255,15 +265,37 @@ impl Filler<'_> {
             pattern: SkinPattern::Lines,
             width: self.plan.bottom.width,
         };
-        let hung = bridged.iter().map(|bridge| {
-            let paths = self.paths(&bridge.area, look, bridge.angle);
-            self.fill(Role::Bridge, look, bridge.angle, paths, None)
-        });
+        let hung = bridged.iter().flat_map(|b| self.hung(b, look, sides));
         let at = fills.len().saturating_sub(1);
         fills.splice(at..at, hung);
         fills.extend(self.ironing(|| inside.clone(), sides));
         fills.retain(|f| !f.lines.is_empty());
         fills
+    }
+
+    /// The lines of a bridge.
+    fn hung(&self, bridge: &Bridge, look: Look, sides: Sides<'_>) -> Vec<Fill> {
+        let Some(below) = self.over_air(sides) else {
+            return Vec::new();
+        };
+        let below = EdgeGrid::new(&below.near(&bridge.area), look.width);
+        match bridge.way {
+            Way::Across(angle) => {
+                let paths = self.paths(&bridge.area, look, angle);
+                let after = held_first(&paths, angle, &below, look.width);
+                let fill = self.fill(Role::Bridge, look, angle, paths, None);
+                vec![Fill { after, ..fill }]
+            }
+            Way::Around => {
+                let lay = self.beside(look.width);
+                let rings = concentric(&bridge.area, lay, TOLERANCE);
+                let bead = |s| self.bead(Role::BottomSkin, s);
+                let rings = rings.into_iter().map(bead).collect();
+                let (held, hung) = hung::apart(rings, &below, self.plan.hung);
+                let held = Some(hung::fill(held));
+                held.into_iter().chain(hung).collect()
+            }
+        }
     }
 
     /// A bead of `width` beside other beads.

@@ -13,6 +13,7 @@
 //! onto. Land narrower than two anchors holds both bridges beside it, so no
 //! line ends over a gap that another bridge crosses.
 
+use super::bridge::Way;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::clip::{difference, unite};
 use isoslice_planar::grid::EdgeGrid;
@@ -50,9 +51,9 @@ pub(super) struct Gap {
     edges: OnceCell<EdgeGrid>,
     /// How far its lines reach onto the land around it.
     reach: Mm,
-    /// The span of the lines in the best direction, and that direction; none if
-    /// no lines can hang here.
-    best: Option<(Mm, Degrees)>,
+    /// The span of the lines if they run the best way, and that way; none if no
+    /// lines can hang here.
+    best: Option<(Mm, Way)>,
     /// The gap and what its lines may reach onto.
     reached: Area,
 }
@@ -61,16 +62,16 @@ pub(super) struct Gap {
 pub(super) struct Span {
     /// The gaps and the land that lines reach onto.
     pub reached: Area,
-    /// Direction of the lines.
-    pub angle: Degrees,
+    /// How the lines run.
+    pub way: Way,
 }
 
 impl Gap {
-    /// A gap with its best direction, whose lines reach onto the land around it
+    /// A gap with the best way of its lines, which reach onto the land around it
     /// by `reach`.
     pub(super) fn new(
         area: Area,
-        best: Option<(Mm, Degrees)>,
+        best: Option<(Mm, Way)>,
         reach: Mm,
         tolerance: Mm,
     ) -> Gap {
@@ -118,7 +119,7 @@ pub(super) fn spans(
 ) -> Vec<Span> {
     let beside = beside(gaps);
     let (groups, owner) = groups(gaps, &beside, span);
-    let of_group = |(g, (members, angle)): (usize, &(Vec<usize>, Degrees))| {
+    let of_group = |(g, (members, way)): (usize, &Group)| {
         let all = members.iter().flat_map(|&i| &gaps[i].reached.rings);
         let mut reached = unite(&all.cloned().collect());
         let mut others: Vec<usize> =
@@ -127,8 +128,8 @@ pub(super) fn spans(
         others.sort_unstable();
         others.dedup();
         if others.is_empty() {
-            let angle = *angle;
-            return Span { reached, angle };
+            let way = *way;
+            return Span { reached, way };
         }
         for j in others {
             let near = beside[j].iter().filter(|&&i| owner[i] == Some(g));
@@ -150,7 +151,7 @@ pub(super) fn spans(
         let own = parts.filter(|part| inside.iter().any(|p| part.contains(*p)));
         Span {
             reached: own.flat_map(|part| part.rings).collect(),
-            angle: *angle,
+            way: *way,
         }
     };
     groups.iter().enumerate().map(of_group).collect()
@@ -175,8 +176,8 @@ fn beside(gaps: &[Gap]) -> Vec<Vec<usize>> {
     beside
 }
 
-/// A bridge's gaps and the direction of its lines.
-type Group = (Vec<usize>, Degrees);
+/// A bridge's gaps and how its lines run.
+type Group = (Vec<usize>, Way);
 
 /// Puts gaps together that lie beside one another and can be crossed in one
 /// direction; also returns for each gap the number of its group.
@@ -188,7 +189,7 @@ fn groups(
     let mut owner = vec![None; gaps.len()];
     let mut groups: Vec<Group> = Vec::new();
     for first in 0..gaps.len() {
-        let Some((_, angle)) = gaps[first].best else {
+        let Some((_, way)) = gaps[first].best else {
             continue;
         };
         if owner[first].is_some() {
@@ -204,10 +205,13 @@ fn groups(
                 let Some((least, best)) = gaps[j].best else {
                     continue;
                 };
-                let joins = || {
-                    best == angle
-                        || span(&gaps[j].area, angle)
-                            .is_some_and(|span| span <= LONGER * least)
+                let joins = || match (way, best) {
+                    (Way::Across(angle), Way::Across(own)) => {
+                        own == angle
+                            || span(&gaps[j].area, angle)
+                                .is_some_and(|span| span <= LONGER * least)
+                    }
+                    _ => best == way,
                 };
                 if owner[j].is_none() && joins() {
                     owner[j] = own;
@@ -215,7 +219,7 @@ fn groups(
                 }
             }
         }
-        groups.push((members, angle));
+        groups.push((members, way));
     }
     (groups, owner)
 }
@@ -289,7 +293,12 @@ mod tests {
         let mut counts = Vec::new();
         for reach in [0.2, 1.0, 2.5, 20.0] {
             let gaps = stars().into_iter().map(|(area, crossed)| {
-                Gap::new(area, crossed.then_some((1.0, 0.0)), reach, 1e-3)
+                Gap::new(
+                    area,
+                    crossed.then_some((1.0, Way::Across(0.0))),
+                    reach,
+                    1e-3,
+                )
             });
             let gaps: Vec<Gap> = gaps.collect();
             let beside = beside(&gaps);

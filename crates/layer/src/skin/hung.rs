@@ -48,7 +48,8 @@ pub(super) fn apart(
     (held, hung.into_values().map(fill).collect())
 }
 
-fn fill(lines: Vec<Bead>) -> Fill {
+/// Beads that may be printed in any order.
+pub(super) fn fill(lines: Vec<Bead>) -> Fill {
     Fill {
         lines,
         after: Vec::new(),

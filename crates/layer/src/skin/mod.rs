@@ -56,10 +56,15 @@ pub struct Patch {
 }
 
 impl Patch {
+    /// The beads: rings, then what is inside them.
+    pub fn beads(&self) -> impl Iterator<Item = &Bead> {
+        let lines = self.fills.iter().flat_map(|fill| &fill.lines);
+        self.rings.iter().chain(lines)
+    }
+
     /// The bead that is printed first. If several may be, it is one of them.
     pub fn first(&self) -> Option<&Bead> {
-        let lines = self.fills.iter().flat_map(|fill| &fill.lines);
-        self.rings.iter().chain(lines).next()
+        self.beads().next()
     }
 }
 

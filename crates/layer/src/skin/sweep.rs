@@ -50,6 +50,42 @@ pub(super) fn after(
     after
 }
 
+/// For each line those beside it that it has to wait for if lines are laid from those
+/// that are `held` outwards: the ones with fewer lines between them and a held one.
+/// `beside` is what [`after`] found.
+pub(super) fn outwards(beside: &[Vec<u32>], held: &[bool]) -> Vec<Vec<u32>> {
+    let n = held.len();
+    let mut near: Vec<Vec<u32>> = vec![Vec::new(); n];
+    for (i, before) in beside.iter().enumerate() {
+        for &k in before {
+            near[i].push(k);
+            near[k as usize].push(i as u32);
+        }
+    }
+    let mut far: Vec<Option<u32>> =
+        held.iter().map(|h| h.then_some(0)).collect();
+    let mut next: Vec<usize> = (0..n).filter(|&i| held[i]).collect();
+    let mut done = 0;
+    while let Some(&i) = next.get(done) {
+        done += 1;
+        for &k in &near[i] {
+            let k = k as usize;
+            if far[k].is_none() {
+                far[k] = far[i].map(|far| far + 1);
+                next.push(k);
+            }
+        }
+    }
+    let waits = |i: usize| {
+        let mut all = near[i].clone();
+        all.retain(|&k| {
+            far[k as usize].zip(far[i]).is_some_and(|(k, i)| k < i)
+        });
+        all
+    };
+    (0..n).map(waits).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

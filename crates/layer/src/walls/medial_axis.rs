@@ -415,6 +415,35 @@ mod tests {
         }
     }
 
+    #[test]
+    fn an_axis_through_a_crossing_does_not_lead_back() {
+        // The upper side's last ball in the left arm is one of the lower side's again,
+        // and is a run by itself. It does not go on in the end of the axis that it
+        // lies on.
+        let crossing = area(&[
+            (-4.0, 2.98586),
+            (-4.0, 1.5),
+            (-1.0, 1.5),
+            (-1.0, -4.0),
+            (-0.14306, -4.0),
+            (-0.14306, 1.5),
+            (0.78467, 1.5),
+            (0.78467, 2.98586),
+            (-0.14306, 2.98586),
+            (-0.14306, 4.0),
+            (-1.0, 4.0),
+            (-1.0, 2.98586),
+        ]);
+        let found = axes_of(&crossing, 2.05);
+        assert!(!found.is_empty());
+        for axis in &found {
+            let ways = axis.points.windows(2).map(|w| w[1] - w[0]);
+            let ways: Vec<DVec2> = ways.collect();
+            let ahead = |w: &[DVec2]| w[0].dot(w[1]) > 0.0;
+            assert!(ways.windows(2).all(ahead), "{axis:?}");
+        }
+    }
+
     /// More runs than can be compared each with each.
     #[test]
     fn runs_are_joined_however_many_there_are() {

@@ -578,7 +578,7 @@ fn laid(
             } else {
                 walls
             };
-            if shares {
+            if k + 1 == pair.len() {
                 let lays = (lay, &lays[next]);
                 left = shared::without(left, &walls, lays, accuracy);
             }

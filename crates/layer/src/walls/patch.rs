@@ -14,7 +14,7 @@
 
 use super::beading::Beadings;
 use super::line::absorb;
-use super::{Lay, Skeleton, cell, joined, shrink};
+use super::{Lay, Skeleton, cell, joined, shared, shrink};
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::{Area, Solid};
@@ -55,9 +55,11 @@ pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
 }
 
 impl Patch {
-    /// The area that lies more than `distance` inside the ring's centre line.
-    pub fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
-        shrink(&self.whole, distance, tolerance)
+    /// The area that lies more than `distance` inside the ring's centre line, and
+    /// beside the ring where it is wider than it was laid.
+    pub fn inside(&self, distance: Mm, lay: Lay, tolerance: Mm) -> Area {
+        let inside = shrink(&self.whole, distance, tolerance);
+        shared::without(inside, &self.rings, (&lay, &lay), tolerance)
     }
 }
 
@@ -77,6 +79,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
         let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
         let places = skeleton.thin_places(&beadings);
         let mut depth = 0.0;
+        let mut inner = Vec::new();
         for k in 0..2 {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
@@ -90,11 +93,14 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
                 plan.extra,
                 true,
             );
-            strokes.extend(rings);
+            strokes.append(&mut inner);
+            inner = rings;
             strokes.extend(thin);
             depth += plan.inner;
         }
         let left = skeleton.shrunk(depth, tolerance);
+        let left = shared::without(left, &inner, (&plan, &plan), tolerance);
+        strokes.append(&mut inner);
         // What a hole leaves on its own would grow, not shrink.
         if !(0.0..area.content()).contains(&left.content()) || left.is_empty() {
             return strokes;
@@ -108,8 +114,9 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
 mod tests {
     use super::*;
     use crate::walls::ThinPlan;
+    use crate::walls::content_of;
     use glam::DVec2;
-    use isoslice_planar::shapes::disc;
+    use isoslice_planar::shapes::{disc, rect};
     use isoslice_settings::testing::usual_plan;
 
     fn strip(thickness: f64) -> Patch {
@@ -132,6 +139,39 @@ mod tests {
             .sum();
         assert_eq!(rings.len(), (5.0 / space) as usize);
         assert!((filled / area.content() - 1.0).abs() < 0.01, "{filled}");
+    }
+
+    /// What rings become wider for has no bead of its own, however thick the bar is.
+    #[test]
+    fn nothing_of_a_bar_is_filled_twice() {
+        let plan = Lay::inside(0.45, 0.2, usual_plan(ThinPlan::of));
+        for k in 0..120 {
+            let half = 0.5 + 0.005 * f64::from(k);
+            let bar = rect(-9.0, -half, 9.0, half);
+            let rings = concentric(&bar, plan, 0.01);
+            let laid: f64 =
+                rings.iter().map(|l| content_of(l, plan.extra)).sum();
+            let share = laid / bar.content();
+            assert!((0.97..1.02).contains(&share), "{half}: {share}");
+        }
+    }
+
+    /// Lines lie beside a ring where it is wider, and not on it.
+    #[test]
+    fn what_is_inside_a_ring_begins_beside_it() {
+        let plan = Lay::inside(0.45, 0.2, usual_plan(ThinPlan::of));
+        for k in 0..60 {
+            let half = 0.4 + 0.01 * f64::from(k);
+            let bar = rect(-9.0, -half, 9.0, half);
+            let around = patch(&bar, plan, 0.01);
+            let inside = around.inside(plan.centre, plan, 0.01).content();
+            let beads = around.rings.iter().chain(&around.thin);
+            let laid: f64 = beads.map(|l| content_of(l, plan.extra)).sum();
+            let cores: f64 =
+                around.thin.iter().map(|l| content_of(l, plan.extra)).sum();
+            let share = (laid + inside - cores) / bar.content();
+            assert!(share < 1.02, "{half}: {share}");
+        }
     }
 
     #[test]

@@ -311,16 +311,14 @@ impl Run {
             .sum()
     }
 
-    /// True if a ball lies beside the run's last balls and does not continue
-    /// the run.
-    fn is_beside_end(&self, ball: &Ball) -> bool {
-        behind(self.balls.iter().rev(), ball)
-    }
-
-    /// True if a ball lies beside the run's first balls and does not lead to
-    /// them.
-    fn is_beside_beginning(&self, ball: &Ball) -> bool {
-        behind(self.balls.iter(), ball)
+    /// True if a ball lies beside the run's last balls, or beside its first ones, and
+    /// does not continue the run there.
+    fn is_beside(&self, last: bool, ball: &Ball) -> bool {
+        if last {
+            behind(self.balls.iter().rev(), ball)
+        } else {
+            behind(self.balls.iter(), ball)
+        }
     }
 
     fn meets(&self, other: &Run, grid: &EdgeGrid) -> Option<Meeting> {
@@ -329,25 +327,23 @@ impl Run {
         }
         let mine = (self.balls.first()?, self.balls.last()?);
         let theirs = (other.balls.first()?, other.balls.last()?);
-        let turned = |turn_this, turn_other| {
-            Some(Meeting {
+        // Neither lies beside the other's end. A run of one ball has no direction of
+        // its own: it must not continue the end of a run that it lies along.
+        let meet = |turn_this: bool, turn_other: bool| {
+            let this = if turn_this { mine.0 } else { mine.1 };
+            let next = if turn_other { theirs.1 } else { theirs.0 };
+            this.meets(next, grid)
+                && !self.is_beside(!turn_this, next)
+                && !other.is_beside(turn_other, this)
+        };
+        let ways = [false, true].map(|this| [false, true].map(|o| (this, o)));
+        let mut ways = ways.into_iter().flatten();
+        ways.find(|&(this, other)| meet(this, other)).map(
+            |(turn_this, turn_other)| Meeting {
                 turn_this,
                 turn_other,
-            })
-        };
-        let last = |ball: &Ball| !self.is_beside_end(ball);
-        let first = |ball: &Ball| !self.is_beside_beginning(ball);
-        if mine.1.meets(theirs.0, grid) && last(theirs.0) {
-            turned(false, false)
-        } else if mine.1.meets(theirs.1, grid) && last(theirs.1) {
-            turned(false, true)
-        } else if mine.0.meets(theirs.0, grid) && first(theirs.0) {
-            turned(true, false)
-        } else if mine.0.meets(theirs.1, grid) && first(theirs.1) {
-            turned(true, true)
-        } else {
-            None
-        }
+            },
+        )
     }
 }
 

@@ -356,4 +356,26 @@ mod tests {
         // One wall is seen.
         assert!(rest(plan_with(WallPlan::of, |s| s.walls = 1)) > 50.0);
     }
+
+    /// A single wall becomes wider for what is too thin for a line: no line has room
+    /// there any more. The strip's thickness waves around that.
+    #[test]
+    fn what_a_single_wall_takes_is_not_left_for_lines() {
+        let plan = plan_with(WallPlan::of, |s| s.walls = 1);
+        let lay = plan.lay(0, HEIGHT);
+        for thick in [1.05, 1.08, 1.11, 1.14] {
+            let side = |x: f64| 0.5 * thick + 0.02 * x.sin();
+            let x = |k: i32| 0.05 * f64::from(k);
+            let upper = (0..=240).rev().map(|k| DVec2::new(x(k), side(x(k))));
+            let lower = (0..=240).map(|k| DVec2::new(x(k), -side(x(k))));
+            let part = Area::from(lower.chain(upper).collect::<Vec<_>>());
+            let found = walls(&part, None, HEIGHT, &plan);
+            let less = lay.width - spacing(lay.width, lay.width, HEIGHT);
+            let beads =
+                all(&found).into_iter().map(|l| content_of(l, 0.5 * less));
+            let laid = beads.sum::<f64>() + found.fill.content();
+            let share = laid / part.content();
+            assert!((0.95..1.01).contains(&share), "{thick}: {share}");
+        }
+    }
 }

@@ -149,6 +149,10 @@ pub(super) fn widened(
     if closed {
         thin.points.pop();
         thin.thickness.pop();
+        // Only a point is left of a ring that is smaller than the tolerance.
+        if thin.points.len() < 2 {
+            return None;
+        }
     }
     Some(thin.stroke(0.0))
 }

@@ -36,7 +36,7 @@ impl Inside {
         };
         // Walls that pass no seam have a stage of their own, before all loops or
         // after them.
-        let skin_holds = plan.skin_holds && !inside.skin.is_empty();
+        let skin_holds = plan.skin_holds && context.holds_some(&inside.skin);
         let stage = |inner_first| if inner_first { 0 } else { 2 };
         let away_stage = stage(plan.inner_first);
         for mut group in island.loops {
@@ -44,8 +44,7 @@ impl Inside {
             let is_low = |wall: &mut Bead| wall.plane == Plane::HalfLower;
             let walls = group.walls.extract_if(.., is_low);
             inside.low.extend(walls.map(Job::of));
-            let after_skin =
-                skin_holds && context.hangs_around_hole(&group.walls);
+            let after_skin = skin_holds && context.hang_all_along(&group.walls);
             // The inner ones lie along the skin.
             let mut inner_first = plan.inner_first || after_skin;
             if plan.inner_first_at_overhangs || plan.turns_overhangs {

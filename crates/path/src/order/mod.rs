@@ -6,9 +6,9 @@
 //! the head comes from. So an order depends on no more than the layer and the end
 //! of the layer below. Islands are finished one at a time. Within an island the
 //! walls come first, then gap fill and sparse infill, then skin, each on a
-//! short tour (`tour`) that begins where the tour before ends. Walls around a hole
-//! that hang all along come last, since the skin beside them holds them, unless there
-//! are supports.
+//! short tour (`tour`) that begins where the tour before ends. Walls along a
+//! border that hang all along come last, since the skin beside them holds them, unless
+//! there are supports.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -47,7 +47,6 @@ use isoslice_layer::skin::Patch;
 use isoslice_layer::view::LayerFace;
 use isoslice_layer::walls::Support;
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_planar::signed_area;
 pub use link::linked;
 pub use plan::OrderPlan;
 pub use supports::supports_last;
@@ -112,15 +111,21 @@ impl Context<'_> {
         self.support.is_some_and(|support| support.hangs(outer))
     }
 
-    /// True if all walls around a hole hang all along, as where a bore begins in the
+    /// True if all walls along one border hang all along, as where a bore begins in the
     /// ceiling of a wider hole.
-    fn hangs_around_hole(&self, walls: &[Bead]) -> bool {
-        let is_hole = walls.first().is_some_and(|outer| {
-            outer.stroke.closed && signed_area(&outer.stroke.points) < 0.0
-        });
+    fn hang_all_along(&self, walls: &[Bead]) -> bool {
+        let closed = walls.first().is_some_and(|outer| outer.stroke.closed);
         let mut points = walls.iter().flat_map(|wall| &wall.stroke.points);
-        let hangs = |g: Ground| points.all(|p| !g.holds(*p));
-        is_hole && self.ground.is_some_and(hangs)
+        closed && self.ground.is_some_and(|g| points.all(|p| !g.holds(*p)))
+    }
+
+    /// True if some of an island's skin lies on the layer below.
+    fn holds_some(&self, skin: &[Patch]) -> bool {
+        let mut beads = skin.iter().flat_map(Patch::beads);
+        let holds = |g: Ground| {
+            beads.any(|bead| bead.stroke.points.iter().any(|p| g.holds(*p)))
+        };
+        self.ground.is_some_and(holds)
     }
 }
 
