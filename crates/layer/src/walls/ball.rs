@@ -25,6 +25,8 @@ pub(super) struct Ball {
 
 /// Distance of the balls along the border, mm: shorter edges get one each.
 pub(super) const BALL_STEP: Mm = 0.2;
+/// Balls whose centres are nearer to each other than this are neighbours, mm.
+pub(super) const CLOSE: Mm = 1.5 * BALL_STEP;
 /// Accuracy along the border with which the end of an axis is found, mm.
 const END: Mm = 0.005;
 /// Accuracy of an axis's end where the area becomes thicker than what matters,
@@ -111,6 +113,20 @@ pub(super) struct Border<'a> {
     opposite: Vec<u32>,
 }
 
+/// Where an edge of the border begins.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: DVec2,
+    /// The edge's number.
+    number: usize,
+    /// Across the edge, into the area.
+    normal: DVec2,
+    /// How far the border turns away from the area; 0 where it turns to it.
+    turn: f64,
+    /// From the corner to the first ball of the edge.
+    to_place: Mm,
+}
+
 /// A ball and where it touches the other side.
 #[derive(Clone, Copy)]
 struct Grown {
@@ -159,6 +175,8 @@ impl<'a> Border<'a> {
         // The last ball, its edge, and how far along the edge it is.
         let mut before: Option<(usize, Mm, Option<Grown>)> = None;
         let mut last_radius = 0.0;
+        let mut last_length = 0.0;
+        let mut very_first_corner = None;
         // The first ball, if there is one at the ring's first point.
         let mut very_first = None;
         let mut last_along = (0..ring.len()).rev().find_map(|i| {
@@ -185,6 +203,25 @@ impl<'a> Border<'a> {
             }
             let count = (length / BALL_STEP).ceil().clamp(1.0, 1e6);
             let place = |k: usize| (k as f64 + 0.5) / count * length;
+            let rest = std::mem::replace(&mut last_length, length);
+            let here = Corner {
+                at: a,
+                number,
+                normal,
+                turn: if sine < 0.0 {
+                    (-sine).atan2(cosine)
+                } else {
+                    0.0
+                },
+                to_place: place(0),
+            };
+            very_first_corner.get_or_insert(here);
+            if let Some((_, at, Some(g))) = before
+                && let Some(g) = self.at_corner(here, rest - at, g)
+            {
+                balls.push(Some(g.ball));
+                before = Some((number, 0.0, Some(g)));
+            }
             let count = count as usize;
             if self.seen.has_all((0..count).map(place), number) {
                 balls.push(None);
@@ -245,7 +282,16 @@ impl<'a> Border<'a> {
                 before = Some((number, at, here));
             }
         }
-        if let (Some((_, _, Some(last))), Some(first)) = (before, very_first) {
+        if let (Some((_, at, Some(mut last))), Some(first)) =
+            (before, very_first)
+        {
+            let corner = very_first_corner.and_then(|corner| {
+                self.at_corner(corner, last_length - at, last)
+            });
+            if let Some(g) = corner {
+                balls.push(Some(g.ball));
+                last = g;
+            }
             self.mark(last, first);
         }
         balls
@@ -290,6 +336,39 @@ impl<'a> Border<'a> {
             before = here;
         }
         before
+    }
+
+    /// The ball that touches a corner, if the balls beside it would be too far apart:
+    /// around a small hole their centres are much farther apart than the places where
+    /// they touch it. `before` is the ball before it, so far from the corner along the
+    /// border.
+    fn at_corner(
+        &mut self,
+        corner: Corner,
+        from_before: Mm,
+        before: Grown,
+    ) -> Option<Grown> {
+        let Corner {
+            at,
+            number,
+            normal,
+            turn,
+            to_place,
+        } = corner;
+        let swing = 0.5 * turn * before.ball.thickness;
+        if !(0.0..FAN).contains(&turn)
+            || turn == 0.0
+            || from_before + swing + to_place < CLOSE
+        {
+            return None;
+        }
+        let normal = DVec2::from_angle(0.5 * turn).rotate(normal);
+        let here = self.grow(at, normal, Some(before)).1?;
+        for edge in [number, self.last[number] as usize] {
+            self.meets(edge, 0.5 * here.ball.thickness, true);
+        }
+        self.mark(before, here);
+        Some(here)
     }
 
     /// The last ball on the way from where there is one to where there is

@@ -416,6 +416,31 @@ mod tests {
     }
 
     #[test]
+    fn a_neck_between_small_holes_has_one_axis() {
+        // Holes as an outline of 5 µm accuracy has them: few edges, each of which
+        // gets one ball. The centres of these are 0.3 mm apart and more.
+        for (radius, n) in [(0.5, 22), (0.65, 27), (0.65, 22), (0.9, 34)] {
+            let apart = 2.0 * radius + 1.3;
+            let mut area = shapes::rect(-6.0, -6.0, 6.0, 6.0);
+            for x in [-0.5, 0.5] {
+                let mut hole = shapes::moved(circle(radius, n), x * apart, 0.0);
+                hole.reverse();
+                area.rings.push(hole);
+            }
+            let found = axes_of(&area, 2.1);
+            assert_eq!(found.len(), 1, "{radius}: {found:?}");
+            // It leads to where both sides are 120° apart, or the neck is as wide as
+            // the limit, but for a ball at each end.
+            let wide = ((radius + 1.05).powi(2) - 0.25 * apart * apart).sqrt();
+            let exact = 2.0 * wide.min(0.5 * apart / 3.0_f64.sqrt());
+            let length = total(&found[0]);
+            assert!(length > 0.6 * exact, "{radius}, {n}: {length} {exact}");
+            let thinnest = found[0].thinnest();
+            assert!((thinnest - 1.3).abs() < 0.03, "{radius}: {thinnest}");
+        }
+    }
+
+    #[test]
     fn an_axis_through_a_crossing_does_not_lead_back() {
         // The upper side's last ball in the left arm is one of the lower side's again,
         // and is a run by itself. It does not go on in the end of the axis that it

@@ -3,7 +3,7 @@
 //! In: the balls of a ring of the border, in order. Out: runs of neighbours,
 //! joined where one ends and another begins.
 
-use super::ball::{BALL_STEP, Ball};
+use super::ball::{BALL_STEP, Ball, CLOSE};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::grid::EdgeGrid;
@@ -277,7 +277,7 @@ impl Ball {
 
     fn close(&self, other: &Ball) -> bool {
         let apart = self.centre.distance_squared(other.centre);
-        apart < (1.5 * BALL_STEP).powi(2)
+        apart < CLOSE.powi(2)
     }
 
     /// True if a bead from one to the other stays inside the border.
