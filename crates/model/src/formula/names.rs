@@ -5,6 +5,7 @@ use crate::functions::{FUNCTIONS, constant as number, function};
 use crate::param::nearest;
 use crate::term::Term;
 use fidget::context::Tree;
+use isoslice_base::pairs;
 
 /// Names without parentheses in a model's formula.
 pub(super) const CONSTANTS: &[&str] = &["x", "y", "z", "pi", "e", "tau"];
@@ -75,37 +76,23 @@ fn powers(name: &str) -> Option<String> {
 }
 
 /// Names of shapes and of what is done with them, each with a formula.
-const SHAPES: &[(&[&str], &str)] = &[
-    (&["sphere", "ball"], "sqrt(x^2 + y^2 + z^2) - 10"),
-    (
-        &["cylinder", "circle", "disc", "disk"],
-        "max(sqrt(x^2 + y^2) - 5, abs(z) - 10)",
-    ),
-    (
-        &[
-            "box",
-            "cube",
-            "cuboid",
-            "block",
-            "rectangle",
-            "square_prism",
-        ],
-        "max(abs(x) - 15, abs(y) - 10, abs(z) - 5)",
-    ),
-    (
-        &["torus", "ring"],
-        "sqrt((sqrt(x^2 + y^2) - 15)^2 + z^2) - 4",
-    ),
-    (&["gyroid"], "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)"),
-    (&["union"], "min(f, g)"),
-    (&["intersection", "intersect"], "max(f, g)"),
-    (&["difference", "subtract"], "max(f, -g)"),
-];
+const SHAPES: &[(&str, &str)] = pairs! {
+    "sphere", "ball" => "sqrt(x^2 + y^2 + z^2) - 10";
+    "cylinder", "circle", "disc", "disk"
+        => "max(sqrt(x^2 + y^2) - 5, abs(z) - 10)";
+    "box", "cube", "cuboid", "block", "rectangle", "square_prism"
+        => "max(abs(x) - 15, abs(y) - 10, abs(z) - 5)";
+    "torus", "ring" => "sqrt((sqrt(x^2 + y^2) - 15)^2 + z^2) - 4";
+    "gyroid" => "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
+    "union" => "min(f, g)";
+    "intersection", "intersect" => "max(f, g)";
+    "difference", "subtract" => "max(f, -g)";
+};
 
 /// What to write instead of the name of a shape.
 fn shape(name: &str) -> Option<String> {
     let name = name.to_lowercase();
-    let found = SHAPES.iter().find(|(names, _)| names.contains(&&*name))?;
+    let found = SHAPES.iter().find(|(known, _)| *known == name)?;
     Some(format!(
         "; write {}, or a script, which has shapes by name",
         found.1

@@ -16,12 +16,11 @@ pub(super) static ROWS: &[Row] = rows! {
         "machine_height" => To("printer.height", As::Positive);
         "machine_nozzle_size" => To("printer.nozzle_diameter", As::Positive);
         "machine_gcode_flavor"
-            => To("gcode.flavour", As::Words(&[
-                ("reprap (marlin/sprinter)", "marlin"),
-                ("marlin", "marlin"),
-                ("reprap (reprap)", "rrf"),
-                ("repetier", "marlin"),
-            ]));
+            => To("gcode.flavour", As::Words(pairs! {
+                "reprap (marlin/sprinter)", "marlin" => "marlin";
+                "reprap (reprap)" => "rrf";
+                "repetier" => "marlin";
+            }));
         "machine_start_gcode" => To("gcode.start", As::Template);
         "machine_end_gcode" => To("gcode.end", As::Template);
         "machine_acceleration" => To("printer.acceleration", As::Positive);
@@ -125,21 +124,18 @@ pub(super) static ROWS: &[Row] = rows! {
         "infill_overlap" => To("infill_overlap", As::Percent);
         "top_bottom_pattern" => To("skin_pattern", patterns::SKIN_OF_CURA);
         "z_seam_type"
-            => To("seam", As::Words(&[
-                ("sharpest_corner", "aligned"),
-                ("back", "rear"),
-                ("shortest", "nearest"),
-                ("random", "random"),
-            ]));
+            => To("seam", As::Words(pairs! {
+                "sharpest_corner" => "aligned";
+                "back" => "rear";
+                "shortest" => "nearest";
+                "random" => "random";
+            }));
         "outer_inset_first", "inset_direction"
-            => To("wall_order", As::Words(&[
-                ("true", "outer-first"),
-                ("1", "outer-first"),
-                ("false", "inner-first"),
-                ("0", "inner-first"),
-                ("inside_out", "inner-first"),
-                ("outside_in", "outer-first"),
-            ]));
+            => To("wall_order", As::Words(pairs! {
+                "true", "1" => "outer-first";
+                "false", "0", "inside_out" => "inner-first";
+                "outside_in" => "outer-first";
+            }));
         "xy_offset" => To("xy_compensation", As::Number);
         "ironing_enabled", "ironing_flow"
             => made(ironing, &["ironing"], "the flow if it is on");
@@ -189,10 +185,10 @@ pub(super) static ROWS: &[Row] = rows! {
             => made(supports, &["supports"],
                 "auto, or plate for those on the bed only");
         "support_structure"
-            => To("support.style", As::Words(&[
-                ("normal", "snug"),
-                ("tree", "tree"),
-            ]));
+            => To("support.style", As::Words(pairs! {
+                "normal" => "snug";
+                "tree" => "tree";
+            }));
         "support_angle" => To("support.angle", As::Number);
         "support_tree_angle" => To("support.branch_angle", As::Number);
         "support_xy_distance" => To("support.xy_gap", As::Positive);
@@ -213,12 +209,10 @@ pub(super) static ROWS: &[Row] = rows! {
                     "magic_fuzzy_skin_thickness", "fuzzy.thickness"),
                 &["fuzzy.thickness"], "0 if it is off");
         "adaptive_layer_height_enabled"
-            => To("layer_heights", As::Words(&[
-                ("true", "adaptive"),
-                ("1", "adaptive"),
-                ("false", "uniform"),
-                ("0", "uniform"),
-            ]));
+            => To("layer_heights", As::Words(pairs! {
+                "true", "1" => "adaptive";
+                "false", "0" => "uniform";
+            }));
         "xy_offset_layer_0"
             => made(elephant_foot, &["elephant_foot"], "what it draws in");
         "draft_shield_enabled", "draft_shield_height_limitation",
