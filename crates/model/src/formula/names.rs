@@ -56,10 +56,8 @@ pub(super) fn constant(
     let Some(called) = function(name) else {
         return unknown(name, column, known);
     };
-    Err(FormulaError {
-        column,
-        message: format!("`{name}` is a function: write {}", called.example),
-    })
+    let message = format!("`{name}` is a function: write {}", called.example);
+    Err(FormulaError::at(column, message))
 }
 
 /// How `x2` and `x²` are written in formulas.
@@ -108,13 +106,9 @@ fn unknown(
         .or_else(|| nearest(name, known.iter().copied()).map(str::to_owned))
         .map(|meant| format!("; did you mean `{meant}`?"));
     let meant = shape(name).or(meant).unwrap_or_default();
-    Err(FormulaError {
-        column,
-        message: format!(
-            "unknown name `{name}`{meant} (known: {})",
-            known.join(", ")
-        ),
-    })
+    let known = known.join(", ");
+    let message = format!("unknown name `{name}`{meant} (known: {known})");
+    Err(FormulaError::at(column, message))
 }
 
 /// The value of a name with parentheses.
@@ -124,18 +118,15 @@ pub(super) fn call(
     column: usize,
 ) -> Result<Term, FormulaError> {
     if let Some(function) = function(name) {
-        return function.apply(arguments).map_err(|takes| FormulaError {
-            column,
-            message: format!("{takes}: write {}", function.example),
+        return function.apply(arguments).map_err(|takes| {
+            let message = format!("{takes}: write {}", function.example);
+            FormulaError::at(column, message)
         });
     }
     if CONSTANTS.contains(&name) {
-        return Err(FormulaError {
-            column,
-            message: format!(
-                "`{name}` is not a function; write multiplication as `*`"
-            ),
-        });
+        let message =
+            format!("`{name}` is not a function; write multiplication as `*`");
+        return Err(FormulaError::at(column, message));
     }
     let known: Vec<&str> = FUNCTIONS.iter().map(|f| f.name).collect();
     unknown(name, column, &known)
