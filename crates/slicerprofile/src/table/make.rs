@@ -13,11 +13,11 @@ const NO_LIMIT: f64 = 500.0;
 /// Length of a wipe if none is given, mm.
 const USUAL_WIPE: f64 = 2.0;
 
-fn lost(why: impl Into<String>) -> Outcome {
+pub(super) fn lost(why: impl Into<String>) -> Outcome {
     Outcome::Lost(why.into())
 }
 
-fn nothing(why: &str) -> Outcome {
+pub(super) fn nothing(why: &str) -> Outcome {
     Outcome::Nothing(why.to_owned())
 }
 
@@ -590,7 +590,7 @@ pub(super) fn widths(given: &Given<'_>) -> Outcome {
         match width(given, &[&prusa, &orca]) {
             Ok(Some(value)) => out.push((name, value)),
             Ok(None) => {}
-            Err(why) => return Outcome::Lost(why),
+            Err(why) => return lost(why),
         }
     }
     Outcome::of(out)
@@ -989,7 +989,7 @@ pub(super) fn support_density(given: &Given<'_>) -> Outcome {
                 break;
             }
             Ok(_) => {}
-            Err(why) => return Outcome::Lost(why),
+            Err(why) => return lost(why),
         }
     }
     let mut out = Vec::new();
