@@ -45,8 +45,8 @@ const ORDER: &[(&str, Steps)] = &[
             &["sets", "random"],
             // Every reader of text files needs `encoding`.
             &["encoding"],
-            // Several name the values of their enums.
-            &["named"],
+            // Several name the values of their enums, and have tables of words.
+            &["named", "pairs"],
             // Both `limits` and `timings` need the processor time of a thread.
             &["stopwatch"],
             // Any loop may ask whether it is to go on.

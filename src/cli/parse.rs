@@ -8,56 +8,41 @@ use super::{Cli, plain};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use isoslice::settings::{self, Builder, Key};
+use isoslice_base::pairs;
 use slicerprofile::Counterpart;
 use std::process::exit;
 
 /// Options of other slicers, and words of this program in the wrong place, with
 /// what to write instead.
-const WORDS: &[(&str, &str)] = &[
-    ("supports", SUPPORTS),
-    ("support", SUPPORTS),
-    ("support-material", SUPPORTS),
-    ("raft", "--set raft.layers=3"),
-    ("brim", "--set brim.place=outer --set brim.width=5"),
-    ("brim-width", "--set brim.place=outer --set brim.width=5"),
-    ("skirt", "--set skirt.loops=1"),
-    ("skirts", "--set skirt.loops=1"),
-    ("infill", "--set infill_density=25% or --set infill=gyroid"),
-    ("fill-density", "--set infill_density=25%"),
-    ("fill-pattern", "--set infill=gyroid"),
-    ("density", "--set infill_density=25%"),
-    ("perimeters", "--set walls=3"),
-    ("shells", "--set walls=3"),
-    ("wall-count", "--set walls=3"),
-    ("top-solid-layers", "--set top_layers=4"),
-    ("bottom-solid-layers", "--set bottom_layers=3"),
-    ("temp", TEMPERATURE),
-    ("temperature", TEMPERATURE),
-    ("nozzle", "--set printer.nozzle_diameter=0.4"),
-    (
-        "speed",
-        "--set speed.outer_wall=40, and others of the group speed",
-    ),
-    ("material", "--filament NAME"),
-    ("profile", "--printer, --filament or --preset"),
-    ("quality", "--preset NAME"),
-    ("load", "--config FILE"),
-    ("settings", "--config FILE"),
-    ("center", "--at X,Y"),
-    ("centre", "--at X,Y"),
-    ("position", "--at X,Y"),
-    ("rotate", "--rotate-x, --rotate-y or --rotate-z"),
-    ("scale-to-fit", "--size S"),
-    ("export-gcode", "-o FILE"),
-    ("out", "-o FILE"),
-    ("param", "-D name=value"),
-    ("duplicate", "--copies N"),
-    ("count", "--copies N"),
-    ("jobs", "--threads N"),
-    ("verbose-level", "-v"),
-    ("gcode-flavor", "--set gcode.flavour=klipper"),
-    ("flavor", "--set gcode.flavour=klipper"),
-];
+const WORDS: &[(&str, &str)] = pairs! {
+    "supports", "support", "support-material" => SUPPORTS;
+    "raft" => "--set raft.layers=3";
+    "brim", "brim-width" => "--set brim.place=outer --set brim.width=5";
+    "skirt", "skirts" => "--set skirt.loops=1";
+    "infill" => "--set infill_density=25% or --set infill=gyroid";
+    "fill-density" => "--set infill_density=25%";
+    "fill-pattern" => "--set infill=gyroid";
+    "density" => "--set infill_density=25%";
+    "perimeters", "shells", "wall-count" => "--set walls=3";
+    "top-solid-layers" => "--set top_layers=4";
+    "bottom-solid-layers" => "--set bottom_layers=3";
+    "temp", "temperature" => TEMPERATURE;
+    "nozzle" => "--set printer.nozzle_diameter=0.4";
+    "speed" => "--set speed.outer_wall=40, and others of the group speed";
+    "material" => "--filament NAME";
+    "profile" => "--printer, --filament or --preset";
+    "quality" => "--preset NAME";
+    "load", "settings" => "--config FILE";
+    "center", "centre", "position" => "--at X,Y";
+    "rotate" => "--rotate-x, --rotate-y or --rotate-z";
+    "scale-to-fit" => "--size S";
+    "export-gcode", "out" => "-o FILE";
+    "param" => "-D name=value";
+    "duplicate", "count" => "--copies N";
+    "jobs" => "--threads N";
+    "verbose-level" => "-v";
+    "gcode-flavor", "flavor" => "--set gcode.flavour=klipper";
+};
 
 const TEMPERATURE: &str = "--set filament.nozzle_temperature=210";
 const SUPPORTS: &str = "--set supports=auto";

@@ -11,6 +11,7 @@
 //! | [`limits`] | bounds the time, the work and the memory of a run, and stops it |
 //! | [`problem`] | says what is wrong with what a user has named |
 //! | [`named!`] | declares an enum whose values have names |
+//! | [`pairs!`] | makes a table of words |
 //! | [`archive`] | counts the files of an archive before it is opened |
 //! | [`files`] | reads files within limits, and writes them whole or not at all |
 //! | [`timings`] | adds up the time of each stage |
@@ -27,6 +28,7 @@ pub mod encoding;
 pub mod files;
 pub mod limits;
 mod named;
+mod pairs;
 pub mod parallel;
 pub mod problem;
 pub mod random;

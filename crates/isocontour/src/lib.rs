@@ -88,7 +88,7 @@ pub use lean::{Lean, LeanError, LeanOptions, lean};
 pub use plane::{Area, Rect, Ring};
 pub use shift::{digits, shifted};
 pub use solid::{Solid, solid};
-pub use tree::{binary, operands, unary};
+pub use tree::{BINARY, UNARY, binary, operands, unary};
 
 /// A length, in the unit of the coordinates.
 pub type Length = f64;

@@ -12,7 +12,7 @@ use isoslice::limits::Limits;
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::preview::Toolpath;
 use isoslice::reader::Reader;
-use isoslice::{Figures, Format, Hanging, RoleSum, Sum, human_time};
+use isoslice::{Format, Hanging, Sum, human_time};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -84,9 +84,37 @@ pub(crate) struct Sliced {
     /// Notes on what the settings lead to unasked, in sentences.
     #[pyo3(get)]
     notes: Vec<String>,
-    /// Results that are not numbers: tables by name, as JSON.
-    tables: Value,
-    /// The settings' texts, by name.
+    /// What the beads of each role amount to, by the role's name: length_mm,
+    /// filament_mm, time_s.
+    #[pyo3(get)]
+    roles: Table,
+    /// Distance of the outlines from f = 0, µm: points (how many were
+    /// measured), min, mean and max with their signs, p50, p95 and p99 of the
+    /// size. None if there are no outlines.
+    #[pyo3(get)]
+    outline_error: Table,
+    /// Distance of the outer beads' edges from the outline, µm, as
+    /// outline_error has it.
+    #[pyo3(get)]
+    wall_error: Table,
+    /// All that was measured (docs/accuracy.md), if report was asked for, else
+    /// None.
+    #[pyo3(get)]
+    report: Table,
+    /// What nothing holds while it is printed, by kind; the keys are those of
+    /// the command line's --json.
+    #[pyo3(get)]
+    hanging: Table,
+    /// Time that the print takes longer than at the speeds asked for, s, by its
+    /// cause: cooling, flow of the hot end, moves that the printer takes, and
+    /// acceleration. Where several causes slow a bead, the strongest one counts.
+    #[pyo3(get)]
+    time_lost: Table,
+    /// Processor time by stage, s, added up over all threads.
+    #[pyo3(get)]
+    timings: Table,
+    /// The settings that were used, by name, as TOML has them.
+    #[pyo3(get)]
     settings: BTreeMap<String, String>,
     #[serde(skip, default = "Gcode::nowhere")]
     gcode: Gcode,
@@ -191,27 +219,9 @@ impl Sliced {
         warnings: Vec<String>,
         gcode: Gcode,
     ) -> PyResult<Sliced> {
-        let Summary {
-            roles,
-            outline_error,
-            wall_error,
-            report,
-            hanging: hangs,
-            time_lost,
-            timings,
-            ..
-        } = summary.clone();
-        let timings = timings.iter();
-        let timings = timings.map(|(stage, s)| (stage.name().to_owned(), *s));
-        let tables = serde_json::to_value(Tables {
-            roles,
-            outline_error,
-            wall_error,
-            report: serde_json::to_value(report).map_err(plain)?,
-            hanging: hanging(&hangs),
-            time_lost,
-            timings: timings.collect(),
-        });
+        let timings = summary.timings.iter();
+        let timings: BTreeMap<_, _> =
+            timings.map(|(stage, s)| (stage.name(), s)).collect();
         Ok(Sliced {
             name,
             size: summary.size.into(),
@@ -233,7 +243,13 @@ impl Sliced {
             checked: summary.verdict.is_some(),
             warnings,
             notes: kept.notes,
-            tables: tables.map_err(plain)?,
+            roles: Table::of(&summary.roles)?,
+            outline_error: Table::of(&summary.outline_error)?,
+            wall_error: Table::of(&summary.wall_error)?,
+            report: Table::of(&summary.report)?,
+            hanging: Table(hanging(&summary.hanging)),
+            time_lost: Table::of(&summary.time_lost)?,
+            timings: Table::of(&timings)?,
             settings: kept.texts,
             gcode,
         })
@@ -276,65 +292,6 @@ impl Sliced {
             Gcode::File(path) | Gcode::Stream(path) => Some(path),
             Gcode::Bytes(_) => None,
         }
-    }
-
-    /// What the beads of each role amount to, by the role's name: length_mm,
-    /// filament_mm, time_s.
-    #[getter]
-    fn roles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &self.tables["roles"])
-    }
-
-    /// Distance of the outlines from f = 0, µm: points (how many were
-    /// measured), min, mean and max with their signs, p50, p95 and p99 of the
-    /// size. None if there are no outlines.
-    #[getter]
-    fn outline_error<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &self.tables["outline_error"])
-    }
-
-    /// Distance of the outer beads' edges from the outline, µm, as
-    /// outline_error has it.
-    #[getter]
-    fn wall_error<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &self.tables["wall_error"])
-    }
-
-    /// All that was measured (docs/accuracy.md), if report was asked for, else
-    /// None.
-    #[getter]
-    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &self.tables["report"])
-    }
-
-    /// What nothing holds while it is printed, by kind; the keys are those of
-    /// the command line's --json.
-    #[getter]
-    fn hanging<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &self.tables["hanging"])
-    }
-
-    /// Time that the print takes longer than at the speeds asked for, s, by its
-    /// cause: cooling, flow of the hot end, moves that the printer takes, and
-    /// acceleration. Where several causes slow a bead, the strongest one counts.
-    #[getter]
-    fn time_lost<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &self.tables["time_lost"])
-    }
-
-    /// Processor time by stage, s, added up over all threads.
-    #[getter]
-    fn timings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &self.tables["timings"])
-    }
-
-    /// The settings that were used, by name, as TOML has them.
-    #[getter]
-    fn settings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        from_json(py, &json!(self.settings))
     }
 
     /// What pickle writes: how the results are made again. G-code that is in a
@@ -408,16 +365,24 @@ fn went(path: &Path) -> PyErr {
     ))
 }
 
-/// The results of a run that are not numbers.
-#[derive(Serialize)]
-struct Tables {
-    roles: BTreeMap<&'static str, RoleSum>,
-    outline_error: Option<Figures>,
-    wall_error: Option<Figures>,
-    report: Value,
-    hanging: Value,
-    time_lost: BTreeMap<&'static str, f64>,
-    timings: BTreeMap<String, f64>,
+/// Results that are not a single number, which Python gets in its own types.
+#[derive(Serialize, Deserialize)]
+struct Table(Value);
+
+impl Table {
+    fn of(results: &impl Serialize) -> PyResult<Table> {
+        Ok(Table(serde_json::to_value(results).map_err(plain)?))
+    }
+}
+
+impl<'py> IntoPyObject<'py> for &Table {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Self::Output> {
+        from_json(py, &self.0)
+    }
 }
 
 /// Results as pickle has them: all but the G-code as JSON, then its bytes or

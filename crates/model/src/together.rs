@@ -2,6 +2,7 @@
 //! all.
 
 use super::placement::Model;
+use super::script::union;
 use fidget::context::Tree;
 use glam::{DVec2, DVec3};
 use isocontour::Bounds;
@@ -40,17 +41,9 @@ pub fn together<'a>(
         let own = model.bounds.moved(by);
         bounds = Some(bounds.map_or(own, |all| all.union(own)));
     }
-    // Models are joined in pairs, so that the expression is not deep.
-    while trees.len() > 1 {
-        let pairs = trees.chunks(2).map(|pair| match pair {
-            [a, b] => a.min(b.clone()),
-            _ => pair[0].clone(),
-        });
-        trees = pairs.collect();
-    }
     Some(Model {
         name: name.to_owned(),
-        tree: trees.pop()?,
+        tree: union(trees)?,
         data,
         files,
         bounds: bounds?,

@@ -14,7 +14,7 @@
 
 use fidget::context::{BinaryOpcode, Tree, UnaryOpcode};
 use fidget::var::Var;
-use isocontour::{binary, unary};
+use isocontour::{BINARY, UNARY, binary, unary};
 use std::collections::HashMap;
 
 /// Why a `.vm` file cannot be read.
@@ -50,42 +50,17 @@ impl Operation {
 use Operation::{Axis, Binary, Constant, Unary};
 
 /// Every operation of the format by its name.
-const OPCODES: [(&str, Operation); 34] = [
-    ("const", Constant),
-    ("var-x", Axis(Var::X)),
-    ("var-y", Axis(Var::Y)),
-    ("var-z", Axis(Var::Z)),
-    ("abs", Unary(UnaryOpcode::Abs)),
-    ("neg", Unary(UnaryOpcode::Neg)),
-    ("sqrt", Unary(UnaryOpcode::Sqrt)),
-    ("square", Unary(UnaryOpcode::Square)),
-    ("floor", Unary(UnaryOpcode::Floor)),
-    ("ceil", Unary(UnaryOpcode::Ceil)),
-    ("round", Unary(UnaryOpcode::Round)),
-    ("sin", Unary(UnaryOpcode::Sin)),
-    ("cos", Unary(UnaryOpcode::Cos)),
-    ("tan", Unary(UnaryOpcode::Tan)),
-    ("asin", Unary(UnaryOpcode::Asin)),
-    ("acos", Unary(UnaryOpcode::Acos)),
-    ("atan", Unary(UnaryOpcode::Atan)),
-    ("ln", Unary(UnaryOpcode::Ln)),
-    ("not", Unary(UnaryOpcode::Not)),
-    ("rand", Unary(UnaryOpcode::Rand)),
-    ("exp", Unary(UnaryOpcode::Exp)),
-    ("recip", Unary(UnaryOpcode::Recip)),
-    ("add", Binary(BinaryOpcode::Add)),
-    ("mul", Binary(BinaryOpcode::Mul)),
-    ("min", Binary(BinaryOpcode::Min)),
-    ("max", Binary(BinaryOpcode::Max)),
-    ("div", Binary(BinaryOpcode::Div)),
-    ("atan2", Binary(BinaryOpcode::Atan)),
-    ("sub", Binary(BinaryOpcode::Sub)),
-    ("compare", Binary(BinaryOpcode::Compare)),
-    ("mod", Binary(BinaryOpcode::Mod)),
-    ("and", Binary(BinaryOpcode::And)),
-    ("or", Binary(BinaryOpcode::Or)),
-    ("mix", Binary(BinaryOpcode::Mix)),
-];
+fn operations() -> impl Iterator<Item = (&'static str, Operation)> {
+    let others = [
+        ("const", Constant),
+        ("var-x", Axis(Var::X)),
+        ("var-y", Axis(Var::Y)),
+        ("var-z", Axis(Var::Z)),
+    ];
+    let unary = UNARY.map(|(name, op)| (name, Unary(op)));
+    let binary = BINARY.map(|(name, op)| (name, Binary(op)));
+    others.into_iter().chain(unary).chain(binary)
+}
 
 /// Reads a `.vm` file.
 pub fn parse_vm(bytes: &[u8]) -> Result<Tree, VmError> {
@@ -115,15 +90,15 @@ pub fn parse_vm(bytes: &[u8]) -> Result<Tree, VmError> {
                 shown(name)
             )));
         };
-        let Some((_, operation)) = OPCODES.iter().find(|o| o.0 == opcode)
-        else {
-            let meant =
-                super::param::nearest(opcode, OPCODES.iter().map(|o| o.0))
-                    .map(|n| format!("; did you mean `{n}`?"))
-                    .unwrap_or_else(|| {
-                        let all: Vec<_> = OPCODES.iter().map(|o| o.0).collect();
-                        format!("; there are {}", all.join(", "))
-                    });
+        let found = operations().find(|(name, _)| *name == opcode);
+        let Some((_, operation)) = found else {
+            let all = || operations().map(|(name, _)| name);
+            let meant = super::param::nearest(opcode, all())
+                .map(|n| format!("; did you mean `{n}`?"));
+            let meant = meant.unwrap_or_else(|| {
+                let all: Vec<_> = all().collect();
+                format!("; there are {}", all.join(", "))
+            });
             return Err(error(format!(
                 "unknown operation `{}`{meant}",
                 shown(opcode)
@@ -160,7 +135,7 @@ pub fn parse_vm(bytes: &[u8]) -> Result<Tree, VmError> {
                 })
             })
         };
-        let tree = match *operation {
+        let tree = match operation {
             Constant => constant(operands[0]).map_err(error)?,
             Axis(axis) => Tree::from(axis),
             Unary(op) => unary(op, &tree_of(operands[0])?),
@@ -217,7 +192,7 @@ mod tests {
 
     #[test]
     fn every_operation_gives_what_fidget_gives() {
-        for (opcode, operation) in OPCODES {
+        for (opcode, operation) in operations() {
             if opcode == "const" || opcode == "recip" {
                 continue; // in every text below; not known to fidget
             }

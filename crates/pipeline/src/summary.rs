@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// The results of a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct Summary {
     /// Extent of the part.
@@ -127,28 +127,16 @@ impl Summary {
             layers: job.extent.layers.clone(),
             layer_count: job.count,
             raft_layers: settings.raft_layers(),
-            steps: None,
             time: totals.time,
             filament_length: totals.filament_length,
             filament_mass_g: totals.filament_mass_g,
-            support_length: 0.0,
             roles: sums.amounts.iter().map(role).collect(),
-            unfilled_area: 0.0,
-            solid_area: 0.0,
             printing_moves: sums.printing,
             slowed_moves: sums.slowed,
             short_layers: sums.short,
-            floats: false,
             time_lost: sums.lost.iter().map(|(c, t)| (c.name(), *t)).collect(),
-            dropped_rings: 0,
-            hanging: Hanging::default(),
-            outline_error: None,
-            wall_error: None,
-            report: None,
-            parts: Vec::new(),
-            verdict: None,
             warnings,
-            timings: Vec::new(),
+            ..Summary::default()
         };
         summary.warnings.extend(done.warnings);
         let per_mm = filament_area(settings.filament.diameter);

@@ -5,6 +5,7 @@
 
 use super::table::Key;
 use super::value::{Raw, ValueKind};
+use isoslice_base::pairs;
 
 /// A setting that turns something on, for groups whose first setting leaves it
 /// off.
@@ -23,84 +24,49 @@ pub(super) fn example(group: &str) -> Option<(&'static str, &'static str)> {
 
 /// Words of other slicers for settings whose names here are too different to be
 /// guessed.
-const NAMES: &[(&str, &str)] = &[
-    ("support.enable", SUPPORTS),
-    ("support.enabled", SUPPORTS),
-    ("enable_support", SUPPORTS),
-    ("support_enable", SUPPORTS),
-    ("supports.enable", SUPPORTS),
-    ("support_material", SUPPORTS),
-    ("support.type", "support.style"),
-    ("vase", "spiral"),
-    ("spiralize", "spiral"),
-    ("spiral_vase", "spiral"),
-    ("adhesion", ADHESION),
-    ("adhesion_type", ADHESION),
-    ("bed_adhesion", ADHESION),
-    ("plate_adhesion", ADHESION),
-    ("nozzle", "printer.nozzle_diameter"),
-    ("nozzle_size", "printer.nozzle_diameter"),
-    ("print_temperature", "filament.nozzle_temperature"),
-    ("printing_temperature", "filament.nozzle_temperature"),
-    ("extruder_temperature", "filament.nozzle_temperature"),
-    ("hotend_temperature", "filament.nozzle_temperature"),
-    ("bed", "filament.bed_temperature"),
-    ("filament_type", "--filament NAME"),
-    ("material", "--filament NAME"),
-    ("material_type", "--filament NAME"),
-    ("quality", "--preset NAME"),
-    ("profile", "--printer, --filament or --preset"),
-    ("wall_thickness", "walls, a number of lines"),
-    ("shells", "walls"),
-    ("top_bottom_thickness", "top_layers and bottom_layers"),
-    ("pattern", "infill"),
-    ("infill_pattern", "infill"),
-    ("fill_pattern", "infill"),
-    ("density", "infill_density"),
-    ("fill", "infill_density"),
-    ("adaptive", ADAPTIVE),
-    ("adaptive_layers", ADAPTIVE),
-    ("variable_layer_height", ADAPTIVE),
-    ("overhang_angle", "support.angle"),
-    ("support_material_threshold", "support.angle"),
-    ("retraction_speed", "retract.speed"),
-    ("retraction_amount", "retract.length"),
-    ("retraction_distance", "retract.length"),
-    ("retraction", "retract.length"),
-    ("fuzzy_skin", "fuzzy.thickness"),
-    ("flow_ratio", "filament.flow"),
-    ("extrusion_multiplier", "filament.flow"),
-    ("elephant_foot_compensation", "elephant_foot"),
-    ("elefant_foot_compensation", "elephant_foot"),
-    ("horizontal_expansion", "xy_compensation"),
-    ("skirts", "skirt.loops"),
-    ("bed_size", "printer.bed_x and printer.bed_y"),
-    ("start_gcode", "gcode.start"),
-    ("end_gcode", "gcode.end"),
-    ("seam_position", "seam"),
-    ("gcode_flavor", "gcode.flavour"),
-    ("fan", "cooling.fan_speed"),
-    (
-        "acceleration",
-        "acceleration.outer_wall, or another one of the group \
-                      acceleration",
-    ),
-    (
-        "line_width",
-        "outer_wall_width, inner_wall_width, skin_width or infill_width",
-    ),
-    (
-        "extrusion_width",
-        "outer_wall_width, inner_wall_width, skin_width or infill_width",
-    ),
-    ("perimeters", "walls"),
-    ("wall_loops", "walls"),
-    ("fill_density", "infill_density"),
-    (
-        "print_speed",
-        "speed.outer_wall, or another one of the group speed",
-    ),
-];
+const NAMES: &[(&str, &str)] = pairs! {
+    "support.enable", "support.enabled", "enable_support", "support_enable",
+        "supports.enable", "support_material" => SUPPORTS;
+    "support.type" => "support.style";
+    "vase", "spiralize", "spiral_vase" => "spiral";
+    "adhesion", "adhesion_type", "bed_adhesion", "plate_adhesion" => ADHESION;
+    "nozzle", "nozzle_size" => "printer.nozzle_diameter";
+    "print_temperature", "printing_temperature", "extruder_temperature",
+        "hotend_temperature" => "filament.nozzle_temperature";
+    "bed" => "filament.bed_temperature";
+    "filament_type", "material", "material_type" => "--filament NAME";
+    "quality" => "--preset NAME";
+    "profile" => "--printer, --filament or --preset";
+    "wall_thickness" => "walls, a number of lines";
+    "shells" => "walls";
+    "top_bottom_thickness" => "top_layers and bottom_layers";
+    "pattern", "infill_pattern", "fill_pattern" => "infill";
+    "density", "fill" => "infill_density";
+    "adaptive", "adaptive_layers", "variable_layer_height" => ADAPTIVE;
+    "overhang_angle", "support_material_threshold" => "support.angle";
+    "retraction_speed" => "retract.speed";
+    "retraction_amount", "retraction_distance", "retraction"
+        => "retract.length";
+    "fuzzy_skin" => "fuzzy.thickness";
+    "flow_ratio", "extrusion_multiplier" => "filament.flow";
+    "elephant_foot_compensation", "elefant_foot_compensation"
+        => "elephant_foot";
+    "horizontal_expansion" => "xy_compensation";
+    "skirts" => "skirt.loops";
+    "bed_size" => "printer.bed_x and printer.bed_y";
+    "start_gcode" => "gcode.start";
+    "end_gcode" => "gcode.end";
+    "seam_position" => "seam";
+    "gcode_flavor" => "gcode.flavour";
+    "fan" => "cooling.fan_speed";
+    "acceleration"
+        => "acceleration.outer_wall, or another one of the group acceleration";
+    "line_width", "extrusion_width"
+        => "outer_wall_width, inner_wall_width, skin_width or infill_width";
+    "perimeters", "wall_loops" => "walls";
+    "fill_density" => "infill_density";
+    "print_speed" => "speed.outer_wall, or another one of the group speed";
+};
 
 const SUPPORTS: &str = "supports = \"auto\"";
 const ADAPTIVE: &str = "layer_heights = \"adaptive\"";
@@ -113,148 +79,81 @@ pub fn name(name: &str) -> Option<&'static str> {
     known.map(|(_, now)| *now)
 }
 
+/// Declares rows in groups of one setting.
+macro_rules! values {
+    ($($setting:literal { $($($word:expr),+ => $hint:literal;)+ })+) => {
+        &[$($(($setting, &[$($word),+], $hint)),+),+]
+    };
+}
+
 /// Words of other slicers, and of everyday speech, for values: the setting, the
 /// words, and what they are here.
-const VALUES: &[(&str, &[&str], &str)] = &[
-    (
-        "supports",
-        &["true", "on", "yes", "1", "everywhere", "normal", "enabled"],
-        "supports = \"auto\" prints them wherever they are needed",
-    ),
-    (
-        "supports",
-        &["false", "no", "0", "none"],
-        "supports = \"off\" prints none",
-    ),
-    (
-        "supports",
-        &["tree", "organic", "grid", "snug"],
-        "write supports = \"auto\", and the word in support.style",
-    ),
-    (
-        "infill",
-        &["honeycomb", "2dhoneycomb", "hexagon", "hexagonal"],
-        "honeycombs are \"hexagons\"",
-    ),
-    (
-        "infill",
-        &["line", "lines", "zigzag", "zig-zag", "alignedrectilinear"],
-        "parallel lines are \"rectilinear\"",
-    ),
-    (
-        "infill",
-        &[
-            "lightning",
-            "adaptivecubic",
-            "adaptive-cubic",
-            "supportcubic",
-            "support-cubic",
-            "quartercubic",
-            "cubic-subdivision",
-            "hilbertcurve",
-            "archimedeanchords",
-            "octagramspiral",
-            "crosshatch",
-            "cross",
-            "stars",
-            "3dhoneycomb",
-        ],
-        "there is no {} infill; a density by formula, \"expr: 8 + \
-         50*exp(-d/3)\", saves as much inside",
-    ),
-    (
-        "brim.place",
-        &["true", "on", "yes", "1"],
-        "the usual one is \"outer\"",
-    ),
-    (
-        "brim.place",
-        &["false", "off", "no", "0"],
-        "\"none\" prints none",
-    ),
-    ("seam", &["back"], "the back is \"rear\""),
-    (
-        "seam",
-        &["sharpest_corner", "sharpest", "corner", "smart", "hidden"],
-        "\"aligned\" takes the best corner",
-    ),
-    (
-        "layer_heights",
-        &[
-            "variable", "varying", "true", "on", "auto", "smart", "dynamic",
-        ],
-        "heights that follow the surface are \"adaptive\"",
-    ),
-    (
-        "layer_heights",
-        &["false", "off", "none"],
-        "equal ones are \"uniform\"",
-    ),
-    (
-        "infill",
-        &[A_NUMBER],
-        "how much of it is infill_density = {}",
-    ),
-    (
-        "infill_density",
-        &[
-            "gyroid",
-            "grid",
-            "cubic",
-            "triangles",
-            "rectilinear",
-            "hexagons",
-            "concentric",
-            "diamond",
-            "schwarz-p",
-            "neovius",
-            "lidinoid",
-        ],
-        "the pattern is infill = \"{}\"",
-    ),
-    (
-        "infill_density",
-        &["line", "lines", "zigzag"],
-        "the pattern is infill = \"rectilinear\"",
-    ),
-    (
-        "infill_density",
-        &["honeycomb"],
-        "the pattern is infill = \"hexagons\"",
-    ),
-    (
-        "walls",
-        &["arachne", "classic", "variable"],
-        "it is a number of lines; their widths adapt by themselves",
-    ),
-    (
-        "walls",
-        &[A_LENGTH],
-        "it is a number of lines; their width is outer_wall_width and \
-         inner_wall_width",
-    ),
-    (
-        "top_layers",
-        &["none", "off", "false", "no"],
-        "0 prints none",
-    ),
-    (
-        "bottom_layers",
-        &["none", "off", "false", "no"],
-        "0 prints none",
-    ),
-    (
-        "ironing",
-        &["top", "all", "topmost", "solid", "tops"],
-        "true irons the tops",
-    ),
-    ("spiral", &["vase"], "true prints a vase in one line"),
-    (
-        "gcode.flavour",
-        &["reprapfirmware", "reprap", "duet", "marlin2", "marlin-2"],
-        "Duet's is \"rrf\", and \"marlin\" is any Marlin's",
-    ),
-];
+const VALUES: &[(&str, &[&str], &str)] = values! {
+    "supports" {
+        "true", "on", "yes", "1", "everywhere", "normal", "enabled"
+            => "supports = \"auto\" prints them wherever they are needed";
+        "false", "no", "0", "none" => "supports = \"off\" prints none";
+        "tree", "organic", "grid", "snug"
+            => "write supports = \"auto\", and the word in support.style";
+    }
+    "infill" {
+        "honeycomb", "2dhoneycomb", "hexagon", "hexagonal"
+            => "honeycombs are \"hexagons\"";
+        "line", "lines", "zigzag", "zig-zag", "alignedrectilinear"
+            => "parallel lines are \"rectilinear\"";
+        "lightning", "adaptivecubic", "adaptive-cubic", "supportcubic",
+            "support-cubic", "quartercubic", "cubic-subdivision",
+            "hilbertcurve", "archimedeanchords", "octagramspiral", "crosshatch",
+            "cross", "stars", "3dhoneycomb"
+            => "there is no {} infill; a density by formula, \"expr: 8 + \
+                50*exp(-d/3)\", saves as much inside";
+        A_NUMBER => "how much of it is infill_density = {}";
+    }
+    "brim.place" {
+        "true", "on", "yes", "1" => "the usual one is \"outer\"";
+        "false", "off", "no", "0" => "\"none\" prints none";
+    }
+    "seam" {
+        "back" => "the back is \"rear\"";
+        "sharpest_corner", "sharpest", "corner", "smart", "hidden"
+            => "\"aligned\" takes the best corner";
+    }
+    "layer_heights" {
+        "variable", "varying", "true", "on", "auto", "smart", "dynamic"
+            => "heights that follow the surface are \"adaptive\"";
+        "false", "off", "none" => "equal ones are \"uniform\"";
+    }
+    "infill_density" {
+        "gyroid", "grid", "cubic", "triangles", "rectilinear", "hexagons",
+            "concentric", "diamond", "schwarz-p", "neovius", "lidinoid"
+            => "the pattern is infill = \"{}\"";
+        "line", "lines", "zigzag" => "the pattern is infill = \"rectilinear\"";
+        "honeycomb" => "the pattern is infill = \"hexagons\"";
+    }
+    "walls" {
+        "arachne", "classic", "variable"
+            => "it is a number of lines; their widths adapt by themselves";
+        A_LENGTH
+            => "it is a number of lines; their width is outer_wall_width and \
+                inner_wall_width";
+    }
+    "top_layers" {
+        "none", "off", "false", "no" => "0 prints none";
+    }
+    "bottom_layers" {
+        "none", "off", "false", "no" => "0 prints none";
+    }
+    "ironing" {
+        "top", "all", "topmost", "solid", "tops" => "true irons the tops";
+    }
+    "spiral" {
+        "vase" => "true prints a vase in one line";
+    }
+    "gcode.flavour" {
+        "reprapfirmware", "reprap", "duet", "marlin2", "marlin-2"
+            => "Duet's is \"rrf\", and \"marlin\" is any Marlin's";
+    }
+};
 
 /// Stands for any number, with or without %, among words.
 const A_NUMBER: &str = "0%";

@@ -23,11 +23,7 @@ const ADAPTIVE: &str = "adaptive";
 /// Steps on the surface that may be asked for.
 const STEP_ERROR: Measure = Measure {
     unit: "mm",
-    range: Some(Range {
-        min: 0.001,
-        max: 2.0,
-        or_zero: false,
-    }),
+    range: Some(Range::between(0.001, 2.0)),
 };
 
 /// Shares of the nozzle's diameter that may be a step, %.

@@ -15,11 +15,7 @@ pub enum LineDensity {
 /// A distance between lines.
 const SPACING: Measure = Measure {
     unit: "mm",
-    range: Some(Range {
-        min: 0.1,
-        max: 20.0,
-        or_zero: false,
-    }),
+    range: Some(Range::between(0.1, 20.0)),
 };
 
 impl Value for LineDensity {

@@ -58,11 +58,7 @@ macro_rules! pairs {
                 if let Some(second) = second {
                     let number =
                         without($unit, second).unwrap_or(second.trim());
-                    let range = Range {
-                        min: $min as f64,
-                        max: $max as f64,
-                        or_zero: false,
-                    };
+                    let range = Range::between($min as f64, $max as f64);
                     let measure = Measure { unit: $unit, range: Some(range) };
                     pair.$second = Value::read(Raw::Word(number), measure)?;
                 }

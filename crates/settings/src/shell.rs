@@ -17,11 +17,7 @@ pub enum Shell {
 /// A thickness of solid material.
 const THICKNESS: Measure = Measure {
     unit: "mm",
-    range: Some(Range {
-        min: 0.0,
-        max: 1000.0,
-        or_zero: false,
-    }),
+    range: Some(Range::between(0.0, 1000.0)),
 };
 
 impl Shell {

@@ -34,8 +34,7 @@ impl Of {
             Of::Speed => ("mm/s", 0.1, 2000.0),
             Of::Fan => ("%", 0.0, 100.0),
         };
-        let or_zero = false;
-        let range = Some(Range { min, max, or_zero });
+        let range = Some(Range::between(min, max));
         Measure { unit, range }
     }
 }

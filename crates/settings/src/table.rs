@@ -358,17 +358,12 @@ macro_rules! range {
         None
     };
     ($min:literal $max:literal) => {
-        Some($crate::Range {
-            min: $min as f64,
-            max: $max as f64,
-            or_zero: false,
-        })
+        Some($crate::Range::between($min as f64, $max as f64))
     };
     ($min:literal $max:literal or_zero) => {
         Some($crate::Range {
-            min: $min as f64,
-            max: $max as f64,
             or_zero: true,
+            ..$crate::Range::between($min as f64, $max as f64)
         })
     };
 }

@@ -18,6 +18,12 @@ pub struct Range {
 }
 
 impl Range {
+    /// All numbers between two.
+    pub const fn between(min: f64, max: f64) -> Range {
+        let or_zero = false;
+        Range { min, max, or_zero }
+    }
+
     /// True if `value` is a number within the range.
     pub fn contains(&self, value: f64) -> bool {
         (self.min..=self.max).contains(&value) || self.or_zero && value == 0.0

@@ -134,67 +134,56 @@ fn is_superslicers(given: &Given<'_>) -> bool {
     keys.iter().any(|key| given.values.has(key))
 }
 
+/// Keys of PrusaSlicer with those that a percentage in their values refers to.
+const OF_PRUSA: &[(&str, &[&str])] = pairs! {
+    "first_layer_height" => &["layer_height"];
+    "external_perimeter_speed", "small_perimeter_speed"
+        => &["perimeter_speed"];
+    "solid_infill_speed" => &["infill_speed"];
+    "top_solid_infill_speed" => &["solid_infill_speed", "infill_speed"];
+    "support_material_interface_speed" => &["support_material_speed"];
+    "first_layer_speed" => &["external_perimeter_speed", "perimeter_speed"];
+    "bridge_speed_internal", "over_bridge_speed", "overhangs_speed"
+        => &["bridge_speed"];
+    "support_material_xy_spacing"
+        => &["external_perimeter_extrusion_width", "extrusion_width",
+             "nozzle_diameter"];
+    "infill_anchor", "infill_anchor_max", "infill_overlap"
+        => &["infill_extrusion_width", "extrusion_width"];
+};
+
+/// The same for OrcaSlicer.
+const OF_ORCA: &[(&str, &[&str])] = pairs! {
+    "small_perimeter_speed" => &["outer_wall_speed"];
+    "internal_bridge_speed", "ineternal_bridge_speed" => &["bridge_speed"];
+    "support_interface_speed" => &["support_speed"];
+    "bridge_acceleration"
+        => &["outer_wall_acceleration", "default_acceleration"];
+    "seam_gap" => &["nozzle_diameter"];
+    "support_object_xy_distance"
+        => &["outer_wall_line_width", "line_width", "nozzle_diameter"];
+    "initial_layer_travel_speed", "skirt_speed" => &["travel_speed"];
+};
+
 /// The keys that a percentage in the value of `key` refers to. The first of
 /// them that the profile has counts.
 fn share_of(given: &Given<'_>, key: &str) -> &'static [&'static str] {
-    match (given.slicer, key) {
-        (Slicer::Prusa, key)
-            if key.ends_with("extrusion_width") && is_superslicers(given) =>
-        {
-            &["nozzle_diameter"]
-        }
-        (Slicer::Prusa, key) if key.ends_with("extrusion_width") => {
-            &["layer_height"]
-        }
-        (Slicer::Prusa, "first_layer_height") => &["layer_height"],
-        (
-            Slicer::Prusa,
-            "external_perimeter_speed" | "small_perimeter_speed",
-        ) => &["perimeter_speed"],
-        (Slicer::Prusa, "solid_infill_speed") => &["infill_speed"],
-        (Slicer::Prusa, "top_solid_infill_speed") => {
-            &["solid_infill_speed", "infill_speed"]
-        }
-        (Slicer::Prusa, "support_material_interface_speed") => {
-            &["support_material_speed"]
-        }
-        (Slicer::Prusa, "first_layer_speed") => {
-            &["external_perimeter_speed", "perimeter_speed"]
-        }
-        (
-            Slicer::Prusa,
-            "bridge_speed_internal" | "over_bridge_speed" | "overhangs_speed",
-        ) => &["bridge_speed"],
-        (Slicer::Prusa, "support_material_xy_spacing") => &[
-            "external_perimeter_extrusion_width",
-            "extrusion_width",
-            "nozzle_diameter",
-        ],
-        (
-            Slicer::Prusa,
-            "infill_anchor" | "infill_anchor_max" | "infill_overlap",
-        ) => &["infill_extrusion_width", "extrusion_width"],
-        (Slicer::Orca, "small_perimeter_speed") => &["outer_wall_speed"],
-        (Slicer::Orca, "internal_bridge_speed" | "ineternal_bridge_speed") => {
-            &["bridge_speed"]
-        }
-        (Slicer::Orca, "support_interface_speed") => &["support_speed"],
-        (Slicer::Orca, "bridge_acceleration") => {
-            &["outer_wall_acceleration", "default_acceleration"]
-        }
-        (Slicer::Orca, key) if key.ends_with("acceleration") => {
+    let own = match given.slicer {
+        Slicer::Prusa => OF_PRUSA,
+        Slicer::Orca => OF_ORCA,
+        Slicer::Cura => &[],
+    };
+    if let Some((_, base)) = own.iter().find(|(known, _)| *known == key) {
+        return base;
+    }
+    match given.slicer {
+        Slicer::Prusa if !key.ends_with("extrusion_width") => &[],
+        Slicer::Prusa if is_superslicers(given) => &["nozzle_diameter"],
+        Slicer::Prusa => &["layer_height"],
+        Slicer::Orca if key.ends_with("acceleration") => {
             &["default_acceleration"]
         }
-        (Slicer::Orca, "seam_gap") => &["nozzle_diameter"],
-        (Slicer::Orca, "support_object_xy_distance") => {
-            &["outer_wall_line_width", "line_width", "nozzle_diameter"]
-        }
-        (Slicer::Orca, key) if key.ends_with("line_width") => {
-            &["nozzle_diameter"]
-        }
-        (Slicer::Orca, "initial_layer_travel_speed" | "skirt_speed") => {
-            &["travel_speed"]
-        }
+        Slicer::Orca if key.ends_with("line_width") => &["nozzle_diameter"],
         _ => &[],
     }
 }

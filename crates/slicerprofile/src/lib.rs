@@ -25,6 +25,14 @@
 //! # }
 //! ```
 
+/// Makes a slice of pairs. Several words before one `=>` each make a pair with
+/// what is behind it.
+macro_rules! pairs {
+    ($($($word:expr),+ => $meaning:expr;)+) => {
+        &[$($(($word, $meaning)),+),+]
+    };
+}
+
 mod archive;
 mod conversion;
 mod cura;

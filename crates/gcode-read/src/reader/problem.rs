@@ -1,74 +1,57 @@
 //! Problems: what makes no sense in a file.
 
-use std::fmt;
+use thiserror::Error;
 
 /// Number of characters of a line that Marlin reads, comments left out:
 /// `MAX_CMD_SIZE` is 96, and one of them ends the text.
 pub(super) const LONGEST_COMMAND: usize = 95;
 
 /// Why a line, or a part of one, was passed over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Problem {
     /// A letter without a number, as in `G1 X Y10`; it is passed over.
+    #[error("{0} without a number")]
     MissingNumber(char),
     /// A position beyond any machine's reach; the line is passed over.
+    #[error("a position beyond any machine's reach")]
     OutOfReach,
     /// An arc that has no centre; it is taken as a straight move.
+    #[error("an arc without a centre")]
     BadArc,
     /// An arc that is not in the plane of x and y (after G18 or G19); it is
     /// taken as a straight move.
+    #[error("an arc that is not in the plane of x and y")]
     UprightArc,
     /// A move's line has characters that are no words.
+    #[error("characters that are no command")]
     Stray,
     /// A line too long to be a command; its end is passed over.
+    #[error("a line too long to be a command")]
     LongLine,
     /// A curve (G5); it is taken as a straight move.
+    #[error("a curve, which is not followed")]
     Curve,
     /// Two commands in one line, of which most firmware takes the first.
+    #[error("two commands in one line")]
     TwoCommands,
     /// The temperature of a heater is no number.
+    #[error("a temperature that is no number")]
     NoTemperature,
     /// A line that is neither a command nor a name.
+    #[error("a line that is no command")]
     NoCommand,
     /// A carriage return ends the line, but not for every firmware.
+    #[error(
+        "a carriage return without a line feed: Marlin and RepRapFirmware \
+         begin a line there, Klipper does not"
+    )]
     CarriageReturn,
     /// A command ends where Marlin no longer reads it.
+    #[error(
+        "a command of more than {LONGEST_COMMAND} characters, blanks included: \
+         Marlin leaves out what is beyond"
+    )]
     Overflow,
-}
-
-impl fmt::Display for Problem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Problem::MissingNumber(letter) => {
-                write!(f, "{letter} without a number")
-            }
-            Problem::OutOfReach => {
-                write!(f, "a position beyond any machine's reach")
-            }
-            Problem::BadArc => write!(f, "an arc without a centre"),
-            Problem::UprightArc => {
-                write!(f, "an arc that is not in the plane of x and y")
-            }
-            Problem::Stray => write!(f, "characters that are no command"),
-            Problem::LongLine => write!(f, "a line too long to be a command"),
-            Problem::Curve => write!(f, "a curve, which is not followed"),
-            Problem::TwoCommands => write!(f, "two commands in one line"),
-            Problem::NoTemperature => {
-                write!(f, "a temperature that is no number")
-            }
-            Problem::NoCommand => write!(f, "a line that is no command"),
-            Problem::Overflow => write!(
-                f,
-                "a command of more than {LONGEST_COMMAND} characters, blanks \
-                 included: Marlin leaves out what is beyond"
-            ),
-            Problem::CarriageReturn => write!(
-                f,
-                "a carriage return without a line feed: Marlin and \
-                 RepRapFirmware begin a line there, Klipper does not"
-            ),
-        }
-    }
 }
 
 /// The problems of a file: for each kind the line of the first one, and their

@@ -3,7 +3,7 @@
 //! The set is wider than [`isoslice_planar::bead::Role`]: other slicers print supports,
 //! towers and more.
 
-use isoslice_base::named;
+use isoslice_base::{named, pairs};
 
 named! {
     /// What a line in a file is printed for.
@@ -64,51 +64,45 @@ impl Role {
 
 /// What slicers call the roles. Sources: PrusaSlicer `ExtrusionRole.cpp`,
 /// OrcaSlicer `ExtrusionEntity.cpp`, CuraEngine `gcodeExport.cpp`.
-const NAMES: &[(&str, Role)] = &[
+const NAMES: &[(&str, Role)] = pairs! {
     // PrusaSlicer, and what SuperSlicer adds.
-    ("External perimeter", Role::OuterWall),
-    ("Perimeter", Role::InnerWall),
-    ("Internal perimeter", Role::InnerWall),
-    ("Overhang perimeter", Role::Overhang),
-    ("Internal infill", Role::SparseInfill),
-    ("Solid infill", Role::Skin),
-    ("Top solid infill", Role::TopSkin),
-    ("Ironing", Role::Ironing),
-    ("Bridge infill", Role::Bridge),
-    ("Internal bridge infill", Role::Bridge),
-    ("Gap fill", Role::GapFill),
-    ("Thin wall", Role::GapFill),
-    ("Skirt/Brim", Role::SkirtBrim),
-    ("Support material", Role::Support),
-    ("Support material interface", Role::SupportInterface),
-    ("Wipe tower", Role::PrimeTower),
-    ("Custom", Role::Custom),
+    "External perimeter" => Role::OuterWall;
+    "Perimeter", "Internal perimeter" => Role::InnerWall;
+    "Overhang perimeter" => Role::Overhang;
+    "Internal infill" => Role::SparseInfill;
+    "Solid infill" => Role::Skin;
+    "Top solid infill" => Role::TopSkin;
+    "Ironing" => Role::Ironing;
+    "Bridge infill", "Internal bridge infill" => Role::Bridge;
+    "Gap fill", "Thin wall" => Role::GapFill;
+    "Skirt/Brim" => Role::SkirtBrim;
+    "Support material" => Role::Support;
+    "Support material interface" => Role::SupportInterface;
+    "Wipe tower" => Role::PrimeTower;
+    "Custom" => Role::Custom;
     // OrcaSlicer and BambuStudio.
-    ("Outer wall", Role::OuterWall),
-    ("Inner wall", Role::InnerWall),
-    ("Overhang wall", Role::Overhang),
-    ("Sparse infill", Role::SparseInfill),
-    ("Internal solid infill", Role::Skin),
-    ("Floating vertical shell", Role::Skin),
-    ("Top surface", Role::TopSkin),
-    ("Bottom surface", Role::BottomSkin),
-    ("Bridge", Role::Bridge),
-    ("Internal Bridge", Role::Bridge),
-    ("Gap infill", Role::GapFill),
-    ("Skirt", Role::SkirtBrim),
-    ("Brim", Role::SkirtBrim),
-    ("Support", Role::Support),
-    ("Support interface", Role::SupportInterface),
-    ("Support transition", Role::Support),
-    ("Prime tower", Role::PrimeTower),
+    "Outer wall" => Role::OuterWall;
+    "Inner wall" => Role::InnerWall;
+    "Overhang wall" => Role::Overhang;
+    "Sparse infill" => Role::SparseInfill;
+    "Internal solid infill", "Floating vertical shell" => Role::Skin;
+    "Top surface" => Role::TopSkin;
+    "Bottom surface" => Role::BottomSkin;
+    "Bridge", "Internal Bridge" => Role::Bridge;
+    "Gap infill" => Role::GapFill;
+    "Skirt", "Brim" => Role::SkirtBrim;
+    "Support" => Role::Support;
+    "Support interface" => Role::SupportInterface;
+    "Support transition" => Role::Support;
+    "Prime tower" => Role::PrimeTower;
     // Cura.
-    ("WALL-OUTER", Role::OuterWall),
-    ("WALL-INNER", Role::InnerWall),
-    ("SKIN", Role::Skin),
-    ("FILL", Role::SparseInfill),
-    ("SUPPORT-INTERFACE", Role::SupportInterface),
-    ("PRIME-TOWER", Role::PrimeTower),
-];
+    "WALL-OUTER" => Role::OuterWall;
+    "WALL-INNER" => Role::InnerWall;
+    "SKIN" => Role::Skin;
+    "FILL" => Role::SparseInfill;
+    "SUPPORT-INTERFACE" => Role::SupportInterface;
+    "PRIME-TOWER" => Role::PrimeTower;
+};
 
 #[cfg(test)]
 mod tests {

@@ -106,6 +106,18 @@ pub(super) struct Marcher<'a> {
     scratch: Samples,
 }
 
+/// What a marcher's noise is looked at with. A method would borrow the noise, too.
+macro_rules! eyes {
+    ($marcher:ident, $batch:ident) => {
+        Eyes {
+            z: &$marcher.z,
+            lattice: $marcher.lattice,
+            sampler: &mut *$batch.sampler,
+            scratch: &mut $marcher.scratch,
+        }
+    };
+}
+
 impl<'a> Marcher<'a> {
     pub(super) fn new(
         lattice: &'a Lattice,
@@ -179,22 +191,12 @@ impl<'a> Marcher<'a> {
             let nan = values.iter().filter(|f| f.is_nan()).count();
             self.nan[span].iter_mut().for_each(|sum| *sum += nan);
         }
-        let mut eyes = Eyes {
-            z: &self.z,
-            lattice: self.lattice,
-            sampler: &mut *batch.sampler,
-            scratch: &mut self.scratch,
-        };
+        let mut eyes = eyes!(self, batch);
         self.noise
             .look(batch.leaves, batch.values, weight, &mut eyes)?;
         self.vertices(&mut batch)?;
         let steep = self.too_steep();
-        let mut eyes = Eyes {
-            z: &self.z,
-            lattice: self.lattice,
-            sampler: &mut *batch.sampler,
-            scratch: &mut self.scratch,
-        };
+        let mut eyes = eyes!(self, batch);
         for n in steep {
             let leaf = &batch.leaves[n];
             self.noise.look_into(n, leaf, true, &mut eyes)?;
@@ -210,12 +212,7 @@ impl<'a> Marcher<'a> {
             &mut self.scratch,
         )?;
         divide.extend(self.unexplained(batch.leaves, &chords, &traced));
-        let mut eyes = Eyes {
-            z: &self.z,
-            lattice: self.lattice,
-            sampler: &mut *batch.sampler,
-            scratch: &mut self.scratch,
-        };
+        let mut eyes = eyes!(self, batch);
         for n in in_doubt {
             let leaf = &batch.leaves[n];
             self.noise.look_into(n, leaf, true, &mut eyes)?;
@@ -402,12 +399,7 @@ impl<'a> Marcher<'a> {
             wanted.sort_unstable();
             wanted.dedup();
             wanted.retain(|c| done.binary_search(c).is_err());
-            let mut eyes = Eyes {
-                z: &self.z,
-                lattice: self.lattice,
-                sampler: &mut *batch.sampler,
-                scratch: &mut self.scratch,
-            };
+            let mut eyes = eyes!(self, batch);
             self.noise.dividing(batch.leaves, &wanted, &mut eyes)?;
             // Cells of leaves that are too fine keep their outline. Without
             // `spread` it has been taken out already, so they are divided.

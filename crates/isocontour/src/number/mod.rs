@@ -22,6 +22,7 @@ pub(crate) mod span;
 pub(crate) mod tests;
 pub(crate) mod wide;
 
+use crate::tree;
 use fidget::context::{BinaryOpcode, UnaryOpcode};
 
 /// Values on which fidget's operations can be carried out. The methods are
@@ -105,42 +106,10 @@ pub(crate) trait Component: Number {
 
 /// A function of one operand.
 pub(crate) fn unary<T: Number>(op: UnaryOpcode, a: T) -> T {
-    match op {
-        UnaryOpcode::Neg => a.neg(),
-        UnaryOpcode::Abs => a.abs(),
-        UnaryOpcode::Recip => a.recip(),
-        UnaryOpcode::Sqrt => a.sqrt(),
-        UnaryOpcode::Square => a.square(),
-        UnaryOpcode::Floor => a.floor(),
-        UnaryOpcode::Ceil => a.ceil(),
-        UnaryOpcode::Round => a.round(),
-        UnaryOpcode::Sin => a.sin(),
-        UnaryOpcode::Cos => a.cos(),
-        UnaryOpcode::Tan => a.tan(),
-        UnaryOpcode::Asin => a.asin(),
-        UnaryOpcode::Acos => a.acos(),
-        UnaryOpcode::Atan => a.atan(),
-        UnaryOpcode::Exp => a.exp(),
-        UnaryOpcode::Ln => a.ln(),
-        UnaryOpcode::Not => a.not(),
-        UnaryOpcode::Rand => a.rand(),
-    }
+    tree::with_one!(op, a)
 }
 
 /// A function of two operands.
 pub(crate) fn binary<T: Number>(op: BinaryOpcode, a: T, b: T) -> T {
-    match op {
-        BinaryOpcode::Add => a.add(b),
-        BinaryOpcode::Sub => a.sub(b),
-        BinaryOpcode::Mul => a.mul(b),
-        BinaryOpcode::Div => a.div(b),
-        BinaryOpcode::Atan => a.atan2(b),
-        BinaryOpcode::Min => a.min(b),
-        BinaryOpcode::Max => a.max(b),
-        BinaryOpcode::Compare => a.compare(b),
-        BinaryOpcode::Mod => a.modulo(b),
-        BinaryOpcode::And => a.and(b),
-        BinaryOpcode::Or => a.or(b),
-        BinaryOpcode::Mix => a.mix(b),
-    }
+    tree::with_two!(op, a, b)
 }

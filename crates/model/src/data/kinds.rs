@@ -6,6 +6,7 @@ use super::pictures::picture;
 use fidget::context::Tree;
 use glam::DVec3;
 use isocontour::{Data, call};
+use isoslice_base::pairs;
 use isoslice_base::problem::NamedProblem;
 use isoslice_drawings::{
     Align, Anchor, Drawing, DxfOptions, MOST_DRAWING_BYTES, SvgOptions,
@@ -65,8 +66,10 @@ pub(crate) struct Kind {
     pub of_file: bool,
     /// True if what it makes is a body, and not just any field.
     pub is_body: bool,
-    make: fn(&Asked<'_>) -> Result<Made, String>,
+    make: Make,
 }
+
+type Make = fn(&Asked<'_>) -> Result<Made, String>;
 
 /// What is asked of a function.
 pub(super) struct Asked<'a> {
@@ -89,55 +92,16 @@ impl Asked<'_> {
 
 /// All functions that make data.
 pub(crate) const KINDS: &[Kind] = &[
+    Kind::body("mesh", "mesh(\"part.stl\")", mesh),
+    Kind::body("svg", "svg(\"logo.svg\")", svg),
+    Kind::body("dxf", "dxf(\"plate.dxf\")", dxf),
     Kind {
-        name: "mesh",
-        example: "mesh(\"part.stl\")",
-        of_file: true,
-        is_body: true,
-        make: mesh,
-    },
-    Kind {
-        name: "svg",
-        example: "svg(\"logo.svg\")",
-        of_file: true,
-        is_body: true,
-        make: svg,
-    },
-    Kind {
-        name: "dxf",
-        example: "dxf(\"plate.dxf\")",
-        of_file: true,
-        is_body: true,
-        make: dxf,
-    },
-    Kind {
-        name: "text",
-        example: "text(\"Ø 12\")",
         of_file: false,
-        is_body: true,
-        make: text,
+        ..Kind::body("text", "text(\"Ø 12\")", text)
     },
-    Kind {
-        name: "image",
-        example: "image(\"photo.png\")",
-        of_file: true,
-        is_body: false,
-        make: image,
-    },
-    Kind {
-        name: "volume",
-        example: "volume(\"scan.nrrd\")",
-        of_file: true,
-        is_body: false,
-        make: volume,
-    },
-    Kind {
-        name: "samples",
-        example: "samples(\"stress.csv\")",
-        of_file: true,
-        is_body: false,
-        make: samples,
-    },
+    Kind::field("image", "image(\"photo.png\")", image),
+    Kind::field("volume", "volume(\"scan.nrrd\")", volume),
+    Kind::field("samples", "samples(\"stress.csv\")", samples),
 ];
 
 /// The function of a name.
@@ -146,6 +110,33 @@ pub(crate) fn kind(name: &str) -> Option<&'static Kind> {
 }
 
 impl Kind {
+    /// A field of a file.
+    const fn field(
+        name: &'static str,
+        example: &'static str,
+        make: Make,
+    ) -> Kind {
+        Kind {
+            name,
+            example,
+            of_file: true,
+            is_body: false,
+            make,
+        }
+    }
+
+    /// A body of a file.
+    const fn body(
+        name: &'static str,
+        example: &'static str,
+        make: Make,
+    ) -> Kind {
+        Kind {
+            is_body: true,
+            ..Kind::field(name, example, make)
+        }
+    }
+
     /// The name of the file that a call reads: a text may have a font.
     pub(super) fn file_of<'a>(
         &self,
@@ -229,20 +220,18 @@ fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
     Ok(Made::leaf(Arc::new(mesh), notes))
 }
 
-const ANCHOR: &[(&str, Anchor)] = &[
-    ("page", Anchor::Page),
-    ("corner", Anchor::Corner),
-    ("centre", Anchor::Centre),
-    ("center", Anchor::Centre),
-];
+const ANCHOR: &[(&str, Anchor)] = pairs! {
+    "page" => Anchor::Page;
+    "corner" => Anchor::Corner;
+    "centre", "center" => Anchor::Centre;
+};
 
 /// A DXF has an origin, and no page.
-const ANCHOR_OF_DXF: &[(&str, Anchor)] = &[
-    ("origin", Anchor::Page),
-    ("corner", Anchor::Corner),
-    ("centre", Anchor::Centre),
-    ("center", Anchor::Centre),
-];
+const ANCHOR_OF_DXF: &[(&str, Anchor)] = pairs! {
+    "origin" => Anchor::Page;
+    "corner" => Anchor::Corner;
+    "centre", "center" => Anchor::Centre;
+};
 
 fn svg(asked: &Asked<'_>) -> Result<Made, String> {
     let mut given = Reader::new("svg", asked.options);
@@ -277,24 +266,22 @@ fn dxf(asked: &Asked<'_>) -> Result<Made, String> {
 
 fn text(asked: &Asked<'_>) -> Result<Made, String> {
     let mut given = Reader::new("text", asked.options);
-    let aligns = [
-        ("left", Align::Left),
-        ("centre", Align::Centre),
-        ("center", Align::Centre),
-        ("right", Align::Right),
-    ];
-    let verticals = [
-        ("base", Vertical::Base),
-        ("centre", Vertical::Centre),
-        ("center", Vertical::Centre),
-        ("top", Vertical::Top),
-        ("bottom", Vertical::Bottom),
-    ];
+    let aligns = pairs! {
+        "left" => Align::Left;
+        "centre", "center" => Align::Centre;
+        "right" => Align::Right;
+    };
+    let verticals = pairs! {
+        "base" => Vertical::Base;
+        "centre", "center" => Vertical::Centre;
+        "top" => Vertical::Top;
+        "bottom" => Vertical::Bottom;
+    };
     let usual = TextOptions::default();
     let options = TextOptions {
         size_mm: given.number("size")?.unwrap_or(usual.size_mm),
-        align: given.word("align", &aligns)?.unwrap_or_default(),
-        vertical: given.word("vertical", &verticals)?.unwrap_or_default(),
+        align: given.word("align", aligns)?.unwrap_or_default(),
+        vertical: given.word("vertical", verticals)?.unwrap_or_default(),
         line_mm: given.number("line")?,
         spacing_mm: given.number("spacing")?.unwrap_or_default(),
     };

@@ -245,11 +245,8 @@ impl Quantity {
             Value::Varying { text, expression } => (text, expression),
         };
         let own = self.range.unwrap_or(range);
-        let range = Range {
-            min: range.min.max(own.min),
-            max: range.max.min(own.max),
-            or_zero: false,
-        };
+        let (min, max) = (range.min.max(own.min), range.max.min(own.max));
+        let range = Range::between(min, max);
         let place = Place {
             at: DVec2::ZERO.extend(z),
             depth: 0.0,

@@ -38,6 +38,13 @@ pub struct FormulaError {
     pub message: String,
 }
 
+impl FormulaError {
+    fn at(column: usize, message: impl Into<String>) -> FormulaError {
+        let message = message.into();
+        FormulaError { column, message }
+    }
+}
+
 /// Parses the formula of a shape, which may read files.
 pub(crate) fn parse_formula(
     text: &str,
@@ -45,13 +52,13 @@ pub(crate) fn parse_formula(
 ) -> Result<Tree, FormulaError> {
     match parse(text, None, Some(files))? {
         Term::Field(tree) => Ok(tree),
-        Term::Number(v) => Err(FormulaError {
-            column: 1,
-            message: format!(
+        Term::Number(v) => Err(FormulaError::at(
+            1,
+            format!(
                 "the formula is the constant {v}; a shape needs at least \
                  one of x, y, z"
             ),
-        }),
+        )),
     }
 }
 

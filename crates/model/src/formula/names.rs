@@ -5,6 +5,7 @@ use crate::functions::{FUNCTIONS, constant as number, function};
 use crate::param::nearest;
 use crate::term::Term;
 use fidget::context::Tree;
+use isoslice_base::pairs;
 
 /// Names without parentheses in a model's formula.
 pub(super) const CONSTANTS: &[&str] = &["x", "y", "z", "pi", "e", "tau"];
@@ -55,10 +56,8 @@ pub(super) fn constant(
     let Some(called) = function(name) else {
         return unknown(name, column, known);
     };
-    Err(FormulaError {
-        column,
-        message: format!("`{name}` is a function: write {}", called.example),
-    })
+    let message = format!("`{name}` is a function: write {}", called.example);
+    Err(FormulaError::at(column, message))
 }
 
 /// How `x2` and `x²` are written in formulas.
@@ -75,37 +74,23 @@ fn powers(name: &str) -> Option<String> {
 }
 
 /// Names of shapes and of what is done with them, each with a formula.
-const SHAPES: &[(&[&str], &str)] = &[
-    (&["sphere", "ball"], "sqrt(x^2 + y^2 + z^2) - 10"),
-    (
-        &["cylinder", "circle", "disc", "disk"],
-        "max(sqrt(x^2 + y^2) - 5, abs(z) - 10)",
-    ),
-    (
-        &[
-            "box",
-            "cube",
-            "cuboid",
-            "block",
-            "rectangle",
-            "square_prism",
-        ],
-        "max(abs(x) - 15, abs(y) - 10, abs(z) - 5)",
-    ),
-    (
-        &["torus", "ring"],
-        "sqrt((sqrt(x^2 + y^2) - 15)^2 + z^2) - 4",
-    ),
-    (&["gyroid"], "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)"),
-    (&["union"], "min(f, g)"),
-    (&["intersection", "intersect"], "max(f, g)"),
-    (&["difference", "subtract"], "max(f, -g)"),
-];
+const SHAPES: &[(&str, &str)] = pairs! {
+    "sphere", "ball" => "sqrt(x^2 + y^2 + z^2) - 10";
+    "cylinder", "circle", "disc", "disk"
+        => "max(sqrt(x^2 + y^2) - 5, abs(z) - 10)";
+    "box", "cube", "cuboid", "block", "rectangle", "square_prism"
+        => "max(abs(x) - 15, abs(y) - 10, abs(z) - 5)";
+    "torus", "ring" => "sqrt((sqrt(x^2 + y^2) - 15)^2 + z^2) - 4";
+    "gyroid" => "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
+    "union" => "min(f, g)";
+    "intersection", "intersect" => "max(f, g)";
+    "difference", "subtract" => "max(f, -g)";
+};
 
 /// What to write instead of the name of a shape.
 fn shape(name: &str) -> Option<String> {
     let name = name.to_lowercase();
-    let found = SHAPES.iter().find(|(names, _)| names.contains(&&*name))?;
+    let found = SHAPES.iter().find(|(known, _)| *known == name)?;
     Some(format!(
         "; write {}, or a script, which has shapes by name",
         found.1
@@ -121,13 +106,9 @@ fn unknown(
         .or_else(|| nearest(name, known.iter().copied()).map(str::to_owned))
         .map(|meant| format!("; did you mean `{meant}`?"));
     let meant = shape(name).or(meant).unwrap_or_default();
-    Err(FormulaError {
-        column,
-        message: format!(
-            "unknown name `{name}`{meant} (known: {})",
-            known.join(", ")
-        ),
-    })
+    let known = known.join(", ");
+    let message = format!("unknown name `{name}`{meant} (known: {known})");
+    Err(FormulaError::at(column, message))
 }
 
 /// The value of a name with parentheses.
@@ -137,18 +118,15 @@ pub(super) fn call(
     column: usize,
 ) -> Result<Term, FormulaError> {
     if let Some(function) = function(name) {
-        return function.apply(arguments).map_err(|takes| FormulaError {
-            column,
-            message: format!("{takes}: write {}", function.example),
+        return function.apply(arguments).map_err(|takes| {
+            let message = format!("{takes}: write {}", function.example);
+            FormulaError::at(column, message)
         });
     }
     if CONSTANTS.contains(&name) {
-        return Err(FormulaError {
-            column,
-            message: format!(
-                "`{name}` is not a function; write multiplication as `*`"
-            ),
-        });
+        let message =
+            format!("`{name}` is not a function; write multiplication as `*`");
+        return Err(FormulaError::at(column, message));
     }
     let known: Vec<&str> = FUNCTIONS.iter().map(|f| f.name).collect();
     unknown(name, column, &known)

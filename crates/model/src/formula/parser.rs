@@ -24,28 +24,24 @@ pub(super) fn parse(
         fourth,
     };
     if parser.tokens.is_empty() {
-        return Err(FormulaError {
-            column: 1,
-            message: "the formula is empty; example: \
-                      sqrt(x^2 + y^2 + z^2) - 15"
-                .to_owned(),
-        });
+        return Err(FormulaError::at(
+            1,
+            "the formula is empty; example: sqrt(x^2 + y^2 + z^2) - 15",
+        ));
     }
     let value = parser.sum(0)?;
     if let Some((token, column)) = parser.tokens.get(parser.next) {
-        return Err(FormulaError {
-            column: *column,
-            message: match token {
-                Token::Symbol(")") => "unmatched `)`".to_owned(),
-                Token::Symbol(",") => {
-                    "a `,` outside a function's parentheses".to_owned()
-                }
-                _ => format!(
-                    "expected an operator before {token}; write \
-                     multiplication as `*`"
-                ),
-            },
-        });
+        let message = match token {
+            Token::Symbol(")") => "unmatched `)`".to_owned(),
+            Token::Symbol(",") => {
+                "a `,` outside a function's parentheses".to_owned()
+            }
+            _ => format!(
+                "expected an operator before {token}; write multiplication as \
+                 `*`"
+            ),
+        };
+        return Err(FormulaError::at(*column, message));
     }
     Ok(value)
 }
@@ -67,10 +63,7 @@ impl Parser<'_> {
     }
 
     fn error<T>(&self, message: String) -> Result<T, FormulaError> {
-        Err(FormulaError {
-            column: self.column(),
-            message,
-        })
+        Err(FormulaError::at(self.column(), message))
     }
 
     /// Takes the next token if it is one of `symbols`.
@@ -197,7 +190,7 @@ impl Parser<'_> {
         text: &str,
         column: usize,
     ) -> Result<Term, FormulaError> {
-        let failed = |message| FormulaError { column, message };
+        let failed = |message| FormulaError::at(column, message);
         let Some(kind) = kind(name) else {
             let all: Vec<&str> = KINDS.iter().map(|k| k.example).collect();
             return Err(failed(format!(

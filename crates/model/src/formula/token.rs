@@ -59,10 +59,8 @@ pub(super) fn tokens(
                 .ok()
                 .filter(|v| v.abs() <= f64::from(f32::MAX));
             let Some(value) = value else {
-                return Err(FormulaError {
-                    column,
-                    message: format!("`{digits}` is not a number in range"),
-                });
+                let message = format!("`{digits}` is not a number in range");
+                return Err(FormulaError::at(column, message));
             };
             out.push((Token::Number(value), column));
         } else if c.is_alphabetic() || c == '_' {
@@ -75,12 +73,11 @@ pub(super) fn tokens(
         } else if c == '"' {
             let rest = &chars[i + 1..];
             let Some(length) = rest.iter().position(|c| *c == '"') else {
-                return Err(FormulaError {
+                return Err(FormulaError::at(
                     column,
-                    message: "the text that begins here has no end: write it \
-                              in quotes, as in mesh(\"part.stl\")"
-                        .to_owned(),
-                });
+                    "the text that begins here has no end: write it in \
+                     quotes, as in mesh(\"part.stl\")",
+                ));
             };
             let text = rest[..length].iter().collect();
             out.push((Token::Text(text), column));
@@ -99,34 +96,30 @@ pub(super) fn tokens(
                 ')' => ")",
                 ',' => ",",
                 other => {
-                    return Err(FormulaError {
+                    let hint = match other {
+                        '=' | '<' | '>' | '\u{2264}' | '\u{2265}'
+                            if of_setting =>
+                        {
+                            "; a formula does not compare: step(20, z) is 1 \
+                             where z is at least 20, and 0 elsewhere"
+                        }
+                        '|' => {
+                            "; write abs(z) for |z|, and min(f, g) for f | g"
+                        }
+                        '&' => "; write max(f, g) for f & g",
+                        '=' | '<' | '>' | '\u{2264}' | '\u{2265}' => {
+                            "; a formula is one value, negative inside the \
+                             part: write a - b for a < b or a = b"
+                        }
+                        '\u{b2}' => "; write the power as ^2",
+                        '\u{b3}' => "; write the power as ^3",
+                        _ => "",
+                    };
+                    let shown = other.escape_default();
+                    return Err(FormulaError::at(
                         column,
-                        message: format!(
-                            "unexpected character `{}`{}",
-                            other.escape_default(),
-                            match other {
-                                '=' | '<' | '>' | '\u{2264}' | '\u{2265}'
-                                    if of_setting =>
-                                {
-                                    "; a formula does not compare: \
-                                     step(20, z) is 1 where z is at least 20, \
-                                     and 0 elsewhere"
-                                }
-                                '|' => {
-                                    "; write abs(z) for |z|, and min(f, g) for \
-                                     f | g"
-                                }
-                                '&' => "; write max(f, g) for f & g",
-                                '=' | '<' | '>' | '\u{2264}' | '\u{2265}' => {
-                                    "; a formula is one value, negative inside \
-                                     the part: write a - b for a < b or a = b"
-                                }
-                                '\u{b2}' => "; write the power as ^2",
-                                '\u{b3}' => "; write the power as ^3",
-                                _ => "",
-                            }
-                        ),
-                    });
+                        format!("unexpected character `{shown}`{hint}"),
+                    ));
                 }
             };
             i += if power { 2 } else { 1 };

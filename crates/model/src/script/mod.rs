@@ -42,6 +42,7 @@ mod tokens;
 pub use call::{Argument, call};
 pub use error::ScriptError;
 pub use limits::ScriptLimits;
+pub(crate) use shape::union;
 pub use shapes::makes_body;
 
 use super::data::Files;
@@ -59,7 +60,7 @@ use named::add_names;
 use operators::add_operators;
 use rhai::{Dynamic, Engine};
 use sandbox::{add_limits, add_replace};
-use shape::{describe, shape, union};
+use shape::{describe, shape};
 use shapes::add_shapes;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};

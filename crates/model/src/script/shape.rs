@@ -11,15 +11,13 @@ pub(super) type Outcome<T> = Result<T, Box<EvalAltResult>>;
 
 /// The least of all fields, as a balanced tree, since a chain of 10,000 bodies
 /// would be a deep tree.
-pub(super) fn union(mut trees: Vec<Tree>) -> Option<Tree> {
+pub(crate) fn union(mut trees: Vec<Tree>) -> Option<Tree> {
     while trees.len() > 1 {
-        trees = trees
-            .chunks(2)
-            .map(|pair| match pair {
-                [a, b] => a.min(b.clone()),
-                _ => pair[0].clone(),
-            })
-            .collect();
+        let pairs = trees.chunks(2).map(|pair| match pair {
+            [a, b] => a.min(b.clone()),
+            _ => pair[0].clone(),
+        });
+        trees = pairs.collect();
     }
     trees.pop()
 }

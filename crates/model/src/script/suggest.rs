@@ -4,6 +4,7 @@ use super::limits::MOST_VALUES;
 use super::shapes;
 use crate::functions;
 use crate::param::nearest;
+use isoslice_base::pairs;
 
 /// Functions of scripts alone, each with a call that works.
 const FUNCTIONS: &[(&str, &str)] = &[
@@ -16,58 +17,44 @@ const FUNCTIONS: &[(&str, &str)] = &[
 ];
 
 /// Words of other programs, each with its equivalent here.
-const WORDS: &[(&str, &str)] = &[
-    (
-        "cube",
-        "rounded_box(#{lower: [0, 0, 0], upper: [30, 20, 10], edge: 0})",
-    ),
-    ("cuboid", "box(#{lower: [0, 0, 0], upper: [30, 20, 10]})"),
-    ("ball", "sphere(10)"),
-    ("disc", "circle(10)"),
-    ("rect", "rectangle([0, 0], [30, 20])"),
-    ("square2d", "rectangle([0, 0], [20, 20])"),
-    ("ring", "torus(#{radius: 15, tube: 4})"),
-    ("pipe", "tube(#{radius: 8, inner: 6, height: 20})"),
-    ("pill", "capsule([0, 0, 0], [0, 0, 20], 5)"),
-    ("plane", "half_space(#{normal: [0, 0, 1], offset: 5})"),
-    ("hexagon", "prism(#{sides: 6, radius: 10, height: 5})"),
-    ("hex_prism", "prism(#{sides: 6, radius: 10, height: 5})"),
-    ("linear_extrude", "extrude_z(f, 0, 20)"),
-    ("extrude", "extrude_z(f, 0, 20)"),
-    ("rotate_extrude", "f.revolve_z()"),
-    ("revolve", "f.revolve_z()"),
-    ("translate", "f.move([10, 0, 0])"),
-    ("mirror", "f.reflect_x(0), or f.mirror_x() for both halves"),
-    ("subtract", "difference(a, b)"),
-    ("subtraction", "difference(a, b)"),
-    ("intersect", "intersection(a, b)"),
-    ("smooth_union", "blend(a, b, 3)"),
-    ("smin", "blend(a, b, 3)"),
-    ("smooth_min", "blend(a, b, 3)"),
-    ("smooth_intersection", "blend_intersection(a, b, 3)"),
-    ("smax", "blend_intersection(a, b, 3)"),
-    ("smooth_difference", "blend_difference(a, b, 3)"),
-    ("smooth_subtraction", "blend_difference(a, b, 3)"),
-    ("offset", "f.grow(1)"),
-    ("onion", "f.shell(2)"),
-    ("hull", "blend(a, b, 3), which is no hull but joins softly"),
-    ("norm", "length(x, y)"),
-    ("fmod", "x % 10"),
-    ("rem", "x % 10"),
-    ("sqr", "square(x)"),
-    ("sq", "square(x)"),
-    ("power", "x ** 3"),
-    ("lerp", "mix(a, b, t)"),
-    ("saturate", "clamp(x, 0, 1)"),
-    ("if_", "step(0, x)"),
-    ("heaviside", "step(0, x)"),
-    ("frac", "fract(x)"),
-    ("ceiling", "ceil(x)"),
-    ("arcsin", "asin(x)"),
-    ("arccos", "acos(x)"),
-    ("arctan", "atan(x)"),
-    ("arctan2", "atan2(y, x)"),
-];
+const WORDS: &[(&str, &str)] = pairs! {
+    "cube" => "rounded_box(#{lower: [0, 0, 0], upper: [30, 20, 10], edge: 0})";
+    "cuboid" => "box(#{lower: [0, 0, 0], upper: [30, 20, 10]})";
+    "ball" => "sphere(10)";
+    "disc" => "circle(10)";
+    "rect" => "rectangle([0, 0], [30, 20])";
+    "square2d" => "rectangle([0, 0], [20, 20])";
+    "ring" => "torus(#{radius: 15, tube: 4})";
+    "pipe" => "tube(#{radius: 8, inner: 6, height: 20})";
+    "pill" => "capsule([0, 0, 0], [0, 0, 20], 5)";
+    "plane" => "half_space(#{normal: [0, 0, 1], offset: 5})";
+    "hexagon", "hex_prism" => "prism(#{sides: 6, radius: 10, height: 5})";
+    "linear_extrude", "extrude" => "extrude_z(f, 0, 20)";
+    "rotate_extrude", "revolve" => "f.revolve_z()";
+    "translate" => "f.move([10, 0, 0])";
+    "mirror" => "f.reflect_x(0), or f.mirror_x() for both halves";
+    "subtract", "subtraction" => "difference(a, b)";
+    "intersect" => "intersection(a, b)";
+    "smooth_union", "smin", "smooth_min" => "blend(a, b, 3)";
+    "smooth_intersection", "smax" => "blend_intersection(a, b, 3)";
+    "smooth_difference", "smooth_subtraction" => "blend_difference(a, b, 3)";
+    "offset" => "f.grow(1)";
+    "onion" => "f.shell(2)";
+    "hull" => "blend(a, b, 3), which is no hull but joins softly";
+    "norm" => "length(x, y)";
+    "fmod", "rem" => "x % 10";
+    "sqr", "sq" => "square(x)";
+    "power" => "x ** 3";
+    "lerp" => "mix(a, b, t)";
+    "saturate" => "clamp(x, 0, 1)";
+    "if_", "heaviside" => "step(0, x)";
+    "frac" => "fract(x)";
+    "ceiling" => "ceil(x)";
+    "arcsin" => "asin(x)";
+    "arccos" => "acos(x)";
+    "arctan" => "atan(x)";
+    "arctan2" => "atan2(y, x)";
+};
 
 /// A call of a function of that name that works.
 fn example(name: &str) -> Option<&'static str> {

@@ -228,12 +228,7 @@ fn print_skin(
     for patch in skin {
         let first = patch.first().and_then(|bead| bead.stroke.points.first());
         if let Some(&p) = first {
-            stops.push(Stop {
-                from: p,
-                to: p,
-                turns: false,
-                stage: 0,
-            });
+            stops.push(Stop::at(p));
             patches.push(Some(patch));
         }
     }

@@ -232,29 +232,18 @@ impl Begun {
 
 /// The islands as stops of a tour.
 fn stops_at(islands: &[Island]) -> Vec<Stop> {
-    let stop = |island| {
-        let at = island_start(island)?;
-        Some(Stop {
-            from: at,
-            to: at,
-            turns: false,
-            stage: 0,
-        })
-    };
-    islands.iter().filter_map(stop).collect()
+    islands
+        .iter()
+        .filter_map(island_start)
+        .map(Stop::at)
+        .collect()
 }
 
 /// The order in which to visit some places on a short way, which begins at the
 /// one that is farthest to the back. A layer that visits them the other way round
 /// begins where this way ends.
 pub fn course(places: &[DVec2]) -> Vec<usize> {
-    let stop = |&at: &DVec2| Stop {
-        from: at,
-        to: at,
-        turns: false,
-        stage: 0,
-    };
-    let stops: Vec<Stop> = places.iter().map(stop).collect();
+    let stops: Vec<Stop> = places.iter().copied().map(Stop::at).collect();
     let back = |a: &&DVec2, b: &&DVec2| BACK.dot(**a).total_cmp(&BACK.dot(**b));
     let first = places.iter().max_by(back).copied();
     tour(&stops, first, None).iter().map(|v| v.stop).collect()

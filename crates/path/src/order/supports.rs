@@ -81,12 +81,7 @@ pub(super) fn print(
         sum.0 += 1.0;
         sum.1 += start(bead);
     }
-    let stops = sums.values().map(|(count, sum)| Stop {
-        from: sum / count,
-        to: sum / count,
-        turns: false,
-        stage: 0,
-    });
+    let stops = sums.values().map(|(count, sum)| Stop::at(sum / count));
     let stops: Vec<Stop> = stops.collect();
     let mut stages = vec![0; stops.len()];
     for (stage, visit) in (0..).zip(tour(&stops, *at, None)) {

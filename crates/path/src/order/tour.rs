@@ -34,6 +34,18 @@ pub(super) struct Stop {
     pub stage: u32,
 }
 
+impl Stop {
+    /// A stop that is left where it is entered.
+    pub(super) fn at(place: DVec2) -> Stop {
+        Stop {
+            from: place,
+            to: place,
+            turns: false,
+            stage: 0,
+        }
+    }
+}
+
 /// A stop of a tour.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Visit {

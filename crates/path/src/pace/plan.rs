@@ -84,11 +84,10 @@ impl PacePlan {
             bead_width: s.bead_width.clone(),
             first_temperature: filament.first_layer_nozzle_temperature,
             temperature: filament.nozzle_temperature.clone(),
-            temperatures: Range {
-                min: s.min_nozzle_temperature(),
-                max: printer.max_nozzle_temperature.unwrap_or(f64::INFINITY),
-                or_zero: false,
-            },
+            temperatures: Range::between(
+                s.min_nozzle_temperature(),
+                printer.max_nozzle_temperature.unwrap_or(f64::INFINITY),
+            ),
             resolution: Resolution::of(s),
         }
     }

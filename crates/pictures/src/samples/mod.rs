@@ -157,25 +157,6 @@ impl Samples {
             .map_err(|problem| NamedProblem::new(name, problem))
     }
 
-    /// Samples in memory: places, mm, and values.
-    ///
-    /// # Errors
-    /// If there are none, not as many of both, or some are no numbers.
-    pub fn from_points(
-        name: &str,
-        points: Vec<DVec3>,
-        values: Vec<f64>,
-        options: &SamplesOptions,
-    ) -> Result<Samples, NamedProblem> {
-        let read = Read {
-            points,
-            values,
-            flat: false,
-        };
-        Samples::new(name, read, options)
-            .map_err(|problem| NamedProblem::new(name, problem))
-    }
-
     fn new(
         name: &str,
         read: Read,

@@ -1,13 +1,29 @@
-use super::{Between, Samples, SamplesOptions};
+use super::{Between, Read, Samples, SamplesOptions};
 use crate::testing::bounds_hold;
 use glam::DVec3;
 use isocontour::{Bounds, Data};
+use isoslice_base::problem::Problem;
 
 fn options(between: Between) -> SamplesOptions {
     SamplesOptions {
         between,
         ..SamplesOptions::default()
     }
+}
+
+/// Samples in memory.
+fn of_points(
+    name: &str,
+    points: Vec<DVec3>,
+    values: Vec<f64>,
+    options: &SamplesOptions,
+) -> Problem<Samples> {
+    let read = Read {
+        points,
+        values,
+        flat: false,
+    };
+    Samples::new(name, read, options)
 }
 
 fn scattered(n: usize, f: impl Fn(DVec3) -> f64, between: Between) -> Samples {
@@ -18,7 +34,7 @@ fn scattered(n: usize, f: impl Fn(DVec3) -> f64, between: Between) -> Samples {
         })
         .collect();
     let values = points.iter().map(|p| f(*p)).collect();
-    Samples::from_points("s", points, values, &options(between)).unwrap()
+    of_points("s", points, values, &options(between)).unwrap()
 }
 
 fn places(n: usize) -> impl Iterator<Item = DVec3> {
@@ -162,8 +178,7 @@ fn what_is_no_sample_is_refused() {
             .collect(),
     ] {
         let values = (0..40).map(f64::from).collect();
-        let samples =
-            Samples::from_points("s", points, values, &options).unwrap();
+        let samples = of_points("s", points, values, &options).unwrap();
         for p in places(300).chain([DVec3::ZERO, DVec3::ONE]) {
             let (value, slope) = samples.at(p);
             assert!(value.is_finite() && slope.is_finite(), "{p}");
@@ -407,8 +422,7 @@ fn samples_at_one_place_count_as_their_mean() {
     values.push(4.0);
     for (between, wanted) in [(Between::Linear, 0.5), (Between::Nearest, 0.0)] {
         let (points, values) = (points.clone(), values.clone());
-        let samples =
-            Samples::from_points("x", points, values, &options(between));
+        let samples = of_points("x", points, values, &options(between));
         let samples = samples.unwrap();
         assert_eq!(samples.len(), 2);
         assert_eq!(samples.value(place), wanted);
@@ -443,7 +457,7 @@ fn values_in_a_row_are_those_of_single_places() {
         }
         let values: Vec<f64> =
             (0..1000).map(|i| f64::from(i * 7 % 31)).collect();
-        let even = Samples::from_points("e", even, values, &options(between));
+        let even = of_points("e", even, values, &options(between));
         let f = |p: DVec3| libm::sin(p.x) + 0.1 * p.y * p.z;
         let few = scattered(5, f, between);
         let many = scattered(3000, f, between);

@@ -50,15 +50,7 @@ impl Spread {
         if !value.is_finite() {
             return;
         }
-        let first = self.count == 0;
-        self.least = if first { value } else { self.least.min(value) };
-        self.greatest = if first {
-            value
-        } else {
-            self.greatest.max(value)
-        };
-        self.count += 1;
-        self.sum += value;
+        self.count_in(1, value, [value; 2]);
         // A cast of a number out of range gives the nearest one within it.
         let bin = (value.abs() / LEAST).ln() / RATIO.ln();
         *self.bins.entry(bin.ceil().max(0.0) as u16).or_default() += 1;
@@ -69,22 +61,23 @@ impl Spread {
         if other.count == 0 {
             return;
         }
-        let first = self.count == 0;
-        self.least = if first {
-            other.least
-        } else {
-            self.least.min(other.least)
-        };
-        self.greatest = if first {
-            other.greatest
-        } else {
-            self.greatest.max(other.greatest)
-        };
-        self.count += other.count;
-        self.sum += other.sum;
+        let ends = [other.least, other.greatest];
+        self.count_in(other.count, other.sum, ends);
         for (bin, count) in &other.bins {
             *self.bins.entry(*bin).or_default() += count;
         }
+    }
+
+    /// Adds values to all but the bins. `ends` are the least and the greatest.
+    fn count_in(&mut self, count: u64, sum: f64, ends: [f64; 2]) {
+        let [least, greatest] = ends;
+        if self.count == 0 {
+            [self.least, self.greatest] = ends;
+        }
+        self.least = self.least.min(least);
+        self.greatest = self.greatest.max(greatest);
+        self.count += count;
+        self.sum += sum;
     }
 
     /// The greatest size, 0 if there is none.

@@ -8,6 +8,7 @@ use super::{
 use crate::given::{Given, Value};
 use crate::values::parse;
 use Rule::{Ignored, Lost, To};
+use make::{lost, nothing};
 
 pub(super) static ROWS: &[Row] = rows! {
     CURA Printer {
@@ -16,12 +17,11 @@ pub(super) static ROWS: &[Row] = rows! {
         "machine_height" => To("printer.height", As::Positive);
         "machine_nozzle_size" => To("printer.nozzle_diameter", As::Positive);
         "machine_gcode_flavor"
-            => To("gcode.flavour", As::Words(&[
-                ("reprap (marlin/sprinter)", "marlin"),
-                ("marlin", "marlin"),
-                ("reprap (reprap)", "rrf"),
-                ("repetier", "marlin"),
-            ]));
+            => To("gcode.flavour", As::Words(pairs! {
+                "reprap (marlin/sprinter)", "marlin" => "marlin";
+                "reprap (reprap)" => "rrf";
+                "repetier" => "marlin";
+            }));
         "machine_start_gcode" => To("gcode.start", As::Template);
         "machine_end_gcode" => To("gcode.end", As::Template);
         "machine_acceleration" => To("printer.acceleration", As::Positive);
@@ -125,21 +125,18 @@ pub(super) static ROWS: &[Row] = rows! {
         "infill_overlap" => To("infill_overlap", As::Percent);
         "top_bottom_pattern" => To("skin_pattern", patterns::SKIN_OF_CURA);
         "z_seam_type"
-            => To("seam", As::Words(&[
-                ("sharpest_corner", "aligned"),
-                ("back", "rear"),
-                ("shortest", "nearest"),
-                ("random", "random"),
-            ]));
+            => To("seam", As::Words(pairs! {
+                "sharpest_corner" => "aligned";
+                "back" => "rear";
+                "shortest" => "nearest";
+                "random" => "random";
+            }));
         "outer_inset_first", "inset_direction"
-            => To("wall_order", As::Words(&[
-                ("true", "outer-first"),
-                ("1", "outer-first"),
-                ("false", "inner-first"),
-                ("0", "inner-first"),
-                ("inside_out", "inner-first"),
-                ("outside_in", "outer-first"),
-            ]));
+            => To("wall_order", As::Words(pairs! {
+                "true", "1" => "outer-first";
+                "false", "0", "inside_out" => "inner-first";
+                "outside_in" => "outer-first";
+            }));
         "xy_offset" => To("xy_compensation", As::Number);
         "ironing_enabled", "ironing_flow"
             => made(ironing, &["ironing"], "the flow if it is on");
@@ -189,10 +186,10 @@ pub(super) static ROWS: &[Row] = rows! {
             => made(supports, &["supports"],
                 "auto, or plate for those on the bed only");
         "support_structure"
-            => To("support.style", As::Words(&[
-                ("normal", "snug"),
-                ("tree", "tree"),
-            ]));
+            => To("support.style", As::Words(pairs! {
+                "normal" => "snug";
+                "tree" => "tree";
+            }));
         "support_angle" => To("support.angle", As::Number);
         "support_tree_angle" => To("support.branch_angle", As::Number);
         "support_xy_distance" => To("support.xy_gap", As::Positive);
@@ -213,12 +210,10 @@ pub(super) static ROWS: &[Row] = rows! {
                     "magic_fuzzy_skin_thickness", "fuzzy.thickness"),
                 &["fuzzy.thickness"], "0 if it is off");
         "adaptive_layer_height_enabled"
-            => To("layer_heights", As::Words(&[
-                ("true", "adaptive"),
-                ("1", "adaptive"),
-                ("false", "uniform"),
-                ("0", "uniform"),
-            ]));
+            => To("layer_heights", As::Words(pairs! {
+                "true", "1" => "adaptive";
+                "false", "0" => "uniform";
+            }));
         "xy_offset_layer_0"
             => made(elephant_foot, &["elephant_foot"], "what it draws in");
         "draft_shield_enabled", "draft_shield_height_limitation",
@@ -422,7 +417,7 @@ fn temperatures(
         .or_else(|| one(format!("default_material_{of}_temperature")));
     let first = one(format!("material_{of}_temperature_layer_0"));
     if above.or(first).is_none() {
-        return Outcome::Lost("it is a formula: write its value".to_owned());
+        return lost("it is a formula: write its value");
     }
     Outcome::known([(names[0], above.or(first)), (names[1], first.or(above))])
 }
@@ -571,15 +566,14 @@ fn overhang_speed(given: &Given<'_>) -> Outcome {
     let angle = given.number("wall_overhang_angle").unwrap_or(90.0);
     let slows = factors.iter().any(|factor| *factor < 100.0);
     if !slows || !(0.0..90.0).contains(&angle) {
-        return Outcome::Nothing("overhangs are as fast as other walls".into());
+        return nothing("overhangs are as fast as other walls");
     }
     let [outer, _] = wall_widths(given);
     let (Some(width), Some(height)) = (outer, given.positive("layer_height"))
     else {
-        return Outcome::Lost(
+        return lost(
             "the profile does not say how high layers and how wide lines are: \
-             set speed.overhang"
-                .into(),
+             set speed.overhang",
         );
     };
     let mut steps: Vec<String> = Vec::new();
@@ -600,15 +594,14 @@ fn overhang_speed(given: &Given<'_>) -> Outcome {
         (last, before) = (to, factor);
     }
     if steps.is_empty() {
-        let why = "no wall with these lines leans as far";
-        return Outcome::Nothing(why.into());
+        return nothing("no wall with these lines leans as far");
     }
     Outcome::set("speed.overhang", steps.join(", "))
 }
 
 fn accelerations(given: &Given<'_>) -> Outcome {
     if !given.on("acceleration_enabled") {
-        return Outcome::Nothing("accelerations are off".to_owned());
+        return nothing("accelerations are off");
     }
     let one = |key| given.positive(key);
     let wall = one("acceleration_wall");
@@ -642,14 +635,14 @@ fn ironing(given: &Given<'_>) -> Outcome {
             let value = make::ironed(given, on, &["ironing_flow"]);
             Outcome::set("ironing", value)
         }
-        None => Outcome::Nothing("whether to iron is not said".into()),
+        None => nothing("whether to iron is not said"),
     }
 }
 
 fn elephant_foot(given: &Given<'_>) -> Outcome {
     match given.number("xy_offset_layer_0") {
         Some(x) if x <= 0.0 => Outcome::set("elephant_foot", -x),
-        _ => Outcome::Lost("the first layer can only be drawn in".to_owned()),
+        _ => lost("the first layer can only be drawn in"),
     }
 }
 
@@ -666,7 +659,7 @@ fn combing(given: &Given<'_>) -> Outcome {
         Some("all") => Some("everywhere"),
         Some("noskin" | "no_outer_surfaces") => Some("not-over-top-skin"),
         Some("infill") => Some("within-infill"),
-        Some(word) => return Outcome::Lost(format!("{word} is not known")),
+        Some(word) => return lost(format!("{word} is not known")),
         None => None,
     };
     let least = given.number("retraction_min_travel").unwrap_or(USUAL_LEAST);
@@ -688,7 +681,7 @@ fn jerk(given: &Given<'_>) -> Outcome {
     let jerk = given.positive("jerk_print");
     match jerk.filter(|_| given.on("jerk_enabled")) {
         Some(v) => Outcome::set("printer.square_corner_velocity", v),
-        None => Outcome::Nothing("jerk is off".to_owned()),
+        None => nothing("jerk is off"),
     }
 }
 
@@ -734,7 +727,7 @@ fn adhesion(given: &Given<'_>) -> Outcome {
 
 fn draft_shield(given: &Given<'_>) -> Outcome {
     if !given.on("draft_shield_enabled") {
-        return Outcome::Nothing("there is no draft shield".to_owned());
+        return nothing("there is no draft shield");
     }
     let limit = given.values.first("draft_shield_height_limitation");
     let height = given.positive("draft_shield_height");
@@ -751,9 +744,7 @@ fn draft_shield(given: &Given<'_>) -> Outcome {
 
 fn supports(given: &Given<'_>) -> Outcome {
     let Some(on) = given.switch("support_enable") else {
-        return Outcome::Nothing(
-            "whether to print supports is not said".into(),
-        );
+        return nothing("whether to print supports is not said");
     };
     let plate = given.values.first("support_type") == Some("buildplate");
     make::supported(on, plate)

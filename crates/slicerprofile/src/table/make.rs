@@ -13,11 +13,11 @@ const NO_LIMIT: f64 = 500.0;
 /// Length of a wipe if none is given, mm.
 const USUAL_WIPE: f64 = 2.0;
 
-fn lost(why: impl Into<String>) -> Outcome {
+pub(super) fn lost(why: impl Into<String>) -> Outcome {
     Outcome::Lost(why.into())
 }
 
-fn nothing(why: &str) -> Outcome {
+pub(super) fn nothing(why: &str) -> Outcome {
     Outcome::Nothing(why.to_owned())
 }
 
@@ -493,18 +493,11 @@ pub(super) fn overhang_fan(given: &Given<'_>) -> Outcome {
     if given.slicer == Slicer::Prusa {
         let bridge = percent("bridge_fan_speed");
         // The keys' names tell how many quarters of a line lie on the layer below.
-        let step = |(reach, key): (&str, &str)| {
-            Some(format!("{reach}: {}", percent(key)?.min(100.0)))
+        let step = |quarters: usize| {
+            let key = format!("overhang_fan_speed_{}", 4 - quarters);
+            Some(format!("{}: {}", 25 * quarters, percent(&key)?.min(100.0)))
         };
-        let steps: Vec<String> = [
-            ("25", "overhang_fan_speed_3"),
-            ("50", "overhang_fan_speed_2"),
-            ("75", "overhang_fan_speed_1"),
-            ("100", "overhang_fan_speed_0"),
-        ]
-        .into_iter()
-        .filter_map(step)
-        .collect();
+        let steps: Vec<String> = (1..=4).filter_map(step).collect();
         let on = given.on("enable_dynamic_fan_speeds") && !steps.is_empty();
         // Without steps overhanging walls are printed like bridges.
         let bridge = bridge.map(Value::from);
@@ -582,40 +575,22 @@ fn width(given: &Given<'_>, own: &[&str]) -> Result<Option<Value>, String> {
 }
 
 pub(super) fn widths(given: &Given<'_>) -> Outcome {
-    let all: [(&'static str, &[&str]); 5] = [
-        (
-            "outer_wall_width",
-            &[
-                "external_perimeter_extrusion_width",
-                "outer_wall_line_width",
-            ],
-        ),
-        (
-            "inner_wall_width",
-            &["perimeter_extrusion_width", "inner_wall_line_width"],
-        ),
-        (
-            "infill_width",
-            &["infill_extrusion_width", "sparse_infill_line_width"],
-        ),
-        (
-            "skin_width",
-            &[
-                "solid_infill_extrusion_width",
-                "internal_solid_infill_line_width",
-            ],
-        ),
-        (
-            "top_skin_width",
-            &["top_infill_extrusion_width", "top_surface_line_width"],
-        ),
+    // Each with the beginnings of PrusaSlicer's and of OrcaSlicer's keys.
+    let all = [
+        ("outer_wall_width", "external_perimeter", "outer_wall"),
+        ("inner_wall_width", "perimeter", "inner_wall"),
+        ("infill_width", "infill", "sparse_infill"),
+        ("skin_width", "solid_infill", "internal_solid_infill"),
+        ("top_skin_width", "top_infill", "top_surface"),
     ];
     let mut out = Vec::new();
-    for (name, keys) in all {
-        match width(given, keys) {
+    for (name, prusa, orca) in all {
+        let prusa = format!("{prusa}_extrusion_width");
+        let orca = format!("{orca}_line_width");
+        match width(given, &[&prusa, &orca]) {
             Ok(Some(value)) => out.push((name, value)),
             Ok(None) => {}
-            Err(why) => return Outcome::Lost(why),
+            Err(why) => return lost(why),
         }
     }
     Outcome::of(out)
@@ -853,32 +828,25 @@ pub(super) fn small_length(given: &Given<'_>) -> Outcome {
 }
 
 pub(super) fn overhang_speed(given: &Given<'_>) -> Outcome {
-    let (on, keys) = if given.slicer == Slicer::Prusa {
-        // The keys' names tell how much of a line lies on the layer below. The
-        // speeds count only if they are switched on.
-        let on = given.on("enable_dynamic_overhang_speeds");
-        let keys = [
-            "overhang_speed_3",
-            "overhang_speed_2",
-            "overhang_speed_1",
-            "overhang_speed_0",
-        ];
-        (on, keys)
+    let prusa = given.slicer == Slicer::Prusa;
+    // The speeds of PrusaSlicer count only if they are switched on.
+    let on = if prusa {
+        given.on("enable_dynamic_overhang_speeds")
     } else {
-        let keys = [
-            "overhang_1_4_speed",
-            "overhang_2_4_speed",
-            "overhang_3_4_speed",
-            "overhang_4_4_speed",
-        ];
-        (!given.off("enable_overhang_speed"), keys)
+        !given.off("enable_overhang_speed")
     };
     if !on {
         return nothing("overhangs have no speed of their own");
     }
     let mut steps = Vec::new();
-    for (reach, key) in ["25", "50", "75", "100"].into_iter().zip(keys) {
-        let Some(text) = given.values.first(key) else {
+    for quarters in 1..=4 {
+        // PrusaSlicer's keys tell how much of a line lies on the layer below.
+        let key = if prusa {
+            format!("overhang_speed_{}", 4 - quarters)
+        } else {
+            format!("overhang_{quarters}_4_speed")
+        };
+        let Some(text) = given.values.first(&key) else {
             continue;
         };
         let speed = match (parse(text), share(text)) {
@@ -888,7 +856,7 @@ pub(super) fn overhang_speed(given: &Given<'_>) -> Outcome {
             (None, Some(percent)) => format!("{}%", percent.clamp(1.0, 100.0)),
             (None, None) => return lost(format!("{text} is not a speed")),
         };
-        steps.push(format!("{reach}: {speed}"));
+        steps.push(format!("{}: {speed}", 25 * quarters));
     }
     if steps.is_empty() {
         return nothing("it leaves the choice to the slicer");
@@ -1021,7 +989,7 @@ pub(super) fn support_density(given: &Given<'_>) -> Outcome {
                 break;
             }
             Ok(_) => {}
-            Err(why) => return Outcome::Lost(why),
+            Err(why) => return lost(why),
         }
     }
     let mut out = Vec::new();

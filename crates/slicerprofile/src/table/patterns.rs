@@ -8,65 +8,48 @@ use super::As;
 
 /// Infill of PrusaSlicer and its kin.
 pub(super) const INFILL: As = As::Patterns {
-    same: &[
-        ("rectilinear", "rectilinear"),
-        ("zig-zag", "rectilinear"),
-        ("zigzag", "rectilinear"),
-        ("line", "rectilinear"),
-        ("monotonic", "rectilinear"),
-        ("monotonicline", "rectilinear"),
-        ("monotoniclines", "rectilinear"),
-        ("rectilineargrid", "grid"),
-        ("grid", "grid"),
-        ("triangles", "triangles"),
-        ("honeycomb", "hexagons"),
-        ("cubic", "cubic"),
-        ("concentric", "concentric"),
-        ("gyroid", "gyroid"),
-        ("tpmsd", "diamond"),
-    ],
-    like: &[
+    same: pairs! {
+        "rectilinear", "zig-zag", "zigzag", "line", "monotonic",
+            "monotonicline", "monotoniclines" => "rectilinear";
+        "rectilineargrid", "grid" => "grid";
+        "triangles" => "triangles";
+        "honeycomb" => "hexagons";
+        "cubic" => "cubic";
+        "concentric" => "concentric";
+        "gyroid" => "gyroid";
+        "tpmsd" => "diamond";
+    },
+    like: pairs! {
         // The lines of isoslice turn with every layer.
-        ("alignedrectilinear", "rectilinear"),
-        ("aligned-rectilinear", "rectilinear"),
-        ("crosszag", "rectilinear"),
-        ("lockedzag", "rectilinear"),
+        "alignedrectilinear", "aligned-rectilinear", "crosszag", "lockedzag"
+            => "rectilinear";
         // These lattices and honeycombs stand upright: a layer has lines that
         // change their places from layer to layer.
-        ("2dlattice", "grid"),
-        ("lateral-lattice", "grid"),
-        ("2dhoneycomb", "hexagons"),
-        ("lateral-honeycomb", "hexagons"),
-        ("stars", "triangles"),
-        ("tri-hexagon", "triangles"),
-        ("3dhoneycomb", "cubic"),
-        ("adaptivecubic", "cubic"),
-        ("supportcubic", "cubic"),
-        ("quartercubic", "cubic"),
-        ("quarter_cubic", "cubic"),
-        ("crosshatch", "gyroid"),
+        "2dlattice", "lateral-lattice" => "grid";
+        "2dhoneycomb", "lateral-honeycomb" => "hexagons";
+        "stars", "tri-hexagon" => "triangles";
+        "3dhoneycomb", "adaptivecubic", "supportcubic", "quartercubic",
+            "quarter_cubic" => "cubic";
+        "crosshatch" => "gyroid";
         // The surface of Fischer and Koch.
-        ("tpmsfk", "schwarz-p"),
-    ],
+        "tpmsfk" => "schwarz-p";
+    },
 };
 
 /// Infill of Cura.
 pub(super) const INFILL_OF_CURA: As = As::Patterns {
-    same: &[
-        ("lines", "rectilinear"),
-        ("zigzag", "rectilinear"),
-        ("grid", "grid"),
-        ("triangles", "triangles"),
-        ("cubic", "cubic"),
-        ("concentric", "concentric"),
-        ("gyroid", "gyroid"),
-    ],
-    like: &[
-        ("trihexagon", "triangles"),
-        ("cubicsubdiv", "cubic"),
-        ("quarter_cubic", "cubic"),
-        ("tetrahedral", "cubic"),
-    ],
+    same: pairs! {
+        "lines", "zigzag" => "rectilinear";
+        "grid" => "grid";
+        "triangles" => "triangles";
+        "cubic" => "cubic";
+        "concentric" => "concentric";
+        "gyroid" => "gyroid";
+    },
+    like: pairs! {
+        "trihexagon" => "triangles";
+        "cubicsubdiv", "quarter_cubic", "tetrahedral" => "cubic";
+    },
 };
 
 /// Skin of PrusaSlicer and its kin that faces one way, and the word for lines in
@@ -74,15 +57,13 @@ pub(super) const INFILL_OF_CURA: As = As::Patterns {
 macro_rules! skin {
     ($face:literal, $unordered:literal) => {
         As::Patterns {
-            same: &[
-                ("rectilinear", concat!($face, ": ", $unordered)),
-                ("monotonic", concat!($face, ": lines")),
-                ("monotonicline", concat!($face, ": lines")),
-                ("monotoniclines", concat!($face, ": lines")),
-                ("zig-zag", concat!($face, ": ", $unordered)),
-                ("line", concat!($face, ": ", $unordered)),
-                ("concentric", concat!($face, ": concentric")),
-            ],
+            same: pairs! {
+                "rectilinear" => concat!($face, ": ", $unordered);
+                "monotonic", "monotonicline", "monotoniclines"
+                    => concat!($face, ": lines");
+                "zig-zag", "line" => concat!($face, ": ", $unordered);
+                "concentric" => concat!($face, ": concentric");
+            },
             // The lines of isoslice turn with every layer.
             like: &[("alignedrectilinear", concat!($face, ": ", $unordered))],
         }
@@ -94,25 +75,21 @@ pub(super) const INTERNAL: As = skin!("internal", "lines");
 
 /// Skin of Cura.
 pub(super) const SKIN_OF_CURA: As = As::Patterns {
-    same: &[
-        ("lines", "bottom: lines"),
-        ("zigzag", "bottom: lines"),
-        ("concentric", "bottom: concentric"),
-    ],
+    same: pairs! {
+        "lines", "zigzag" => "bottom: lines";
+        "concentric" => "bottom: concentric";
+    },
     like: &[],
 };
 
 /// The dense tops of supports of PrusaSlicer and its kin. Lines are isoslice's
 /// default.
 pub(super) const INTERFACE: As = As::Patterns {
-    same: &[
-        ("concentric", "concentric"),
-        ("auto", ""),
-        ("default", ""),
-        ("rectilinear", ""),
-        ("rectilinear_interlaced", ""),
-        ("monotonic", ""),
-    ],
+    same: pairs! {
+        "concentric" => "concentric";
+        "auto", "default", "rectilinear", "rectilinear_interlaced", "monotonic"
+            => "";
+    },
     like: &[("grid", "lines")],
 };
 

@@ -61,16 +61,13 @@ pub(super) static ROWS: &[Row] = rows! {
         "solid_infill_below_area", "minimum_sparse_infill_area"
             => To("skin_min_area", As::Number);
         "seam_position"
-            => To("seam", As::Words(&[
-                ("aligned", "aligned"),
-                ("aligned_back", "rear"),
-                ("nearest", "nearest"),
-                ("near", "nearest"),
-                ("cost", "nearest"),
-                ("rear", "rear"),
-                ("back", "rear"),
-                ("random", "random"),
-            ]));
+            => To("seam", As::Words(pairs! {
+                "aligned" => "aligned";
+                "aligned_back" => "rear";
+                "nearest", "near", "cost" => "nearest";
+                "rear", "back" => "rear";
+                "random" => "random";
+            }));
         "seam_gap" => To("seam_gap", As::Length);
         "seam_slope_type", "seam_slope_min_length", "scarf_seam_placement",
             "scarf_seam_length", "seam_slope_start_height",
@@ -211,41 +208,32 @@ pub(super) static ROWS: &[Row] = rows! {
         "support_material_interface_layers", "support_interface_top_layers"
             => To("support.interface_layers", As::Number);
         "support_material_style", "support_style"
-            => To("support.style", As::Words(&[
-                ("grid", "grid"),
-                ("snug", "snug"),
-                ("organic", "tree"),
-                ("tree", "tree"),
-                ("tree_slim", "tree"),
-                ("tree_strong", "tree"),
-                ("tree_hybrid", "auto"),
-                ("default", ""),
-            ]));
+            => To("support.style", As::Words(pairs! {
+                "grid" => "grid";
+                "snug" => "snug";
+                "organic", "tree", "tree_slim", "tree_strong" => "tree";
+                "tree_hybrid" => "auto";
+                "default" => "";
+            }));
         "support_tree_angle", "tree_support_branch_angle",
             "tree_support_branch_angle_organic"
             => To("support.branch_angle", As::Number);
         "arc_fitting", "enable_arc_fitting"
-            => To("gcode.arcs", As::Words(&[
-                ("1", "true"),
-                ("emit_center", "true"),
-                ("emit_radius", "true"),
-                ("bambu", "true"),
-                ("0", ""),
-                ("disabled", ""),
-            ]));
+            => To("gcode.arcs", As::Words(pairs! {
+                "1", "emit_center", "emit_radius", "bambu" => "true";
+                "0", "disabled" => "";
+            }));
         "gcode_label_objects", "exclude_object", "label_printed_objects"
-            => To("gcode.labels", As::Words(&[
-                ("1", ""),
-                ("octoprint", ""),
-                ("firmware", "on"),
-                ("0", ""),
-                ("disabled", ""),
-            ]));
+            => To("gcode.labels", As::Words(pairs! {
+                "1", "octoprint" => "";
+                "firmware" => "on";
+                "0", "disabled" => "";
+            }));
         "avoid_crossing_perimeters", "reduce_crossing_wall"
-            => To("travel.combing", As::Words(&[
-                ("1", "not-over-top-skin"),
-                ("0", ""),
-            ]));
+            => To("travel.combing", As::Words(pairs! {
+                "1" => "not-over-top-skin";
+                "0" => "";
+            }));
         "avoid_crossing_perimeters_max_detour", "max_travel_detour_distance"
             => To("travel.max_detour", As::Amount);
         "only_retract_when_crossing_perimeters", "reduce_infill_retraction"
@@ -283,15 +271,12 @@ pub(super) static ROWS: &[Row] = rows! {
             => Lost(&["1", "1.0", "1.00"], FLOW);
         "only_one_perimeter_top", "only_one_wall_top", "top_one_perimeter_type",
             "top_one_wall_type"
-            => To("top_walls", As::Words(&[
-                ("1", "1"),
-                ("0", ""),
-                ("top", "1"),
-                ("all top", "1"),
-                ("topmost", ""),
-                ("none", ""),
-                ("not apply", ""),
-            ]));
+            => To("top_walls", As::Words(pairs! {
+                "1" => "1";
+                "0" => "";
+                "top", "all top" => "1";
+                "topmost", "none", "not apply" => "";
+            }));
         "min_width_top_surface", "top_area_threshold"
             => Ignored(
                 "a top is what is wider than two lines; bottoms keep their \
@@ -474,17 +459,17 @@ pub(super) static ROWS: &[Row] = rows! {
     }
     PRUSA Print {
         "complete_objects"
-            => To("plate.sequence", As::Words(&[
-                ("1", "one-by-one"),
-                ("0", "all-at-once"),
-            ]));
+            => To("plate.sequence", As::Words(pairs! {
+                "1" => "one-by-one";
+                "0" => "all-at-once";
+            }));
     }
     ORCA Print {
         "print_sequence"
-            => To("plate.sequence", As::Words(&[
-                ("by object", "one-by-one"),
-                ("by layer", "all-at-once"),
-            ]));
+            => To("plate.sequence", As::Words(pairs! {
+                "by object" => "one-by-one";
+                "by layer" => "all-at-once";
+            }));
     }
     BOTH Print {
         "complete_objects_sort", "clip_multipart_objects",

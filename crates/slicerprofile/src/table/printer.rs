@@ -53,11 +53,10 @@ pub(super) static ROWS: &[Row] = rows! {
                 "the least jerk; of a junction deviation the speed through a \
                  right angle");
         "machine_limits_usage"
-            => To("gcode.set_limits", As::Words(&[
-                ("emit_to_gcode", "true"),
-                ("time_estimate_only", "false"),
-                ("ignore", "false"),
-            ]));
+            => To("gcode.set_limits", As::Words(pairs! {
+                "emit_to_gcode" => "true";
+                "time_estimate_only", "ignore" => "false";
+            }));
         "emit_machine_limits_to_gcode" => To("gcode.set_limits", As::Switch);
         "remaining_times"
             => To("gcode.progress", As::Words(&[("1", "on"), ("0", "off")]));

@@ -51,187 +51,106 @@ pub(super) const AT_THE_END: &str = "it is known in gcode.end only, as {{ print_
      and {{ filament_mass }} are";
 
 /// The foreign names, grouped by meaning.
-pub(super) const NAMES: &[(&str, Ours)] = &[
+pub(super) const NAMES: &[(&str, Ours)] = pairs! {
     // Heat.
-    ("first_layer_temperature", FIRST_NOZZLE),
-    ("nozzle_temperature_initial_layer", FIRST_NOZZLE),
-    ("material_print_temperature_layer_0", FIRST_NOZZLE),
-    ("material_initial_print_temperature", FIRST_NOZZLE),
-    ("extruder0_temperature", FIRST_NOZZLE),
-    ("temperature", NOZZLE),
-    ("nozzle_temperature", NOZZLE),
-    ("material_print_temperature", NOZZLE),
-    ("material_final_print_temperature", NOZZLE),
-    ("default_material_print_temperature", NOZZLE),
-    ("first_layer_bed_temperature", FIRST_BED),
-    ("bed_temperature_initial_layer", FIRST_BED),
-    ("bed_temperature_initial_layer_single", FIRST_BED),
-    ("bed_temperature_initial_layer_vector", FIRST_BED),
-    ("hot_plate_temp_initial_layer", FIRST_BED),
-    ("cool_plate_temp_initial_layer", FIRST_BED),
-    ("eng_plate_temp_initial_layer", FIRST_BED),
-    ("textured_plate_temp_initial_layer", FIRST_BED),
-    ("supertack_plate_temp_initial_layer", FIRST_BED),
-    ("material_bed_temperature_layer_0", FIRST_BED),
-    ("bed0_temperature", FIRST_BED),
-    ("bed_temperature", BED),
-    ("hot_plate_temp", BED),
-    ("cool_plate_temp", BED),
-    ("eng_plate_temp", BED),
-    ("textured_plate_temp", BED),
-    ("supertack_plate_temp", BED),
-    ("material_bed_temperature", BED),
-    ("default_material_bed_temperature", BED),
-    ("chamber_temperature", None(NO_CHAMBER)),
-    ("chamber_minimal_temperature", None(NO_CHAMBER)),
-    ("overall_chamber_temperature", None(NO_CHAMBER)),
-    ("build_volume_temperature", None(NO_CHAMBER)),
-    (
-        "idle_temperature",
-        None("isoslice has one temperature while it waits: write a number"),
-    ),
-    (
-        "material_standby_temperature",
-        None("isoslice has one temperature while it waits: write a number"),
-    ),
+    "first_layer_temperature", "nozzle_temperature_initial_layer",
+        "material_print_temperature_layer_0",
+        "material_initial_print_temperature", "extruder0_temperature"
+        => FIRST_NOZZLE;
+    "temperature", "nozzle_temperature", "material_print_temperature",
+        "material_final_print_temperature", "default_material_print_temperature"
+        => NOZZLE;
+    "first_layer_bed_temperature", "bed_temperature_initial_layer",
+        "bed_temperature_initial_layer_single",
+        "bed_temperature_initial_layer_vector", "hot_plate_temp_initial_layer",
+        "cool_plate_temp_initial_layer", "eng_plate_temp_initial_layer",
+        "textured_plate_temp_initial_layer",
+        "supertack_plate_temp_initial_layer",
+        "material_bed_temperature_layer_0", "bed0_temperature" => FIRST_BED;
+    "bed_temperature", "hot_plate_temp", "cool_plate_temp", "eng_plate_temp",
+        "textured_plate_temp", "supertack_plate_temp",
+        "material_bed_temperature", "default_material_bed_temperature" => BED;
+    "chamber_temperature", "chamber_minimal_temperature",
+        "overall_chamber_temperature", "build_volume_temperature"
+        => None(NO_CHAMBER);
+    "idle_temperature", "material_standby_temperature"
+        => None("isoslice has one temperature while it waits: write a number");
     // Layers and heights.
-    (
-        "layer_num",
-        OfLayer(Whole, "(layer - 1)", "(layer_count - 1)"),
-    ),
-    ("layer_z", OfLayer(Number, "layer_z", "part_max_z")),
-    ("max_layer_z", ByScope(Number, "layer_z", "part_max_z")),
-    ("total_layer_count", Is(Whole, "layer_count")),
-    ("total_layer_number", Is(Whole, "layer_count")),
-    ("layer_count", Is(Whole, "layer_count")),
-    ("layer_height", Is(Number, "layer_height")),
-    ("first_layer_height", Is(Number, "first_layer_height")),
-    (
-        "initial_layer_print_height",
-        Is(Number, "first_layer_height"),
-    ),
-    ("initial_layer_height", Is(Number, "first_layer_height")),
-    ("layer_height_0", Is(Number, "first_layer_height")),
-    ("z_offset", Is(Number, "0")),
+    "layer_num" => OfLayer(Whole, "(layer - 1)", "(layer_count - 1)");
+    "layer_z" => OfLayer(Number, "layer_z", "part_max_z");
+    "max_layer_z" => ByScope(Number, "layer_z", "part_max_z");
+    "total_layer_count", "total_layer_number", "layer_count"
+        => Is(Whole, "layer_count");
+    "layer_height" => Is(Number, "layer_height");
+    "first_layer_height", "initial_layer_print_height", "initial_layer_height",
+        "layer_height_0" => Is(Number, "first_layer_height");
+    "z_offset" => Is(Number, "0");
     // The machine.
-    ("print_bed_max", Pair("bed_x", "bed_y")),
-    ("print_bed_min", Pair("0", "0")),
-    ("print_bed_size", Pair("bed_x", "bed_y")),
-    ("machine_width", Is(Number, "bed_x")),
-    ("machine_depth", Is(Number, "bed_y")),
-    ("machine_height", Is(Number, "height")),
-    ("max_print_height", Is(Number, "height")),
-    ("printable_height", Is(Number, "height")),
-    ("nozzle_diameter", Is(Number, "nozzle_diameter")),
-    ("machine_nozzle_size", Is(Number, "nozzle_diameter")),
-    ("printer_model", Is(Other, "printer.model")),
-    ("machine_name", Is(Other, "printer.model")),
-    ("printer_notes", None(NO_NOTES)),
-    ("filament_notes", None(NO_NOTES)),
-    (
-        "curr_bed_type",
-        None("profiles do not say which plate is on the bed"),
-    ),
+    "print_bed_max" => Pair("bed_x", "bed_y");
+    "print_bed_min" => Pair("0", "0");
+    "print_bed_size" => Pair("bed_x", "bed_y");
+    "machine_width" => Is(Number, "bed_x");
+    "machine_depth" => Is(Number, "bed_y");
+    "machine_height", "max_print_height", "printable_height"
+        => Is(Number, "height");
+    "nozzle_diameter", "machine_nozzle_size" => Is(Number, "nozzle_diameter");
+    "printer_model", "machine_name" => Is(Other, "printer.model");
+    "printer_notes", "filament_notes" => None(NO_NOTES);
+    "curr_bed_type" => None("profiles do not say which plate is on the bed");
     // The part.
-    ("first_layer_print_min", Pair("part_min_x", "part_min_y")),
-    ("first_layer_print_max", Pair("part_max_x", "part_max_y")),
-    (
-        "first_layer_print_size",
-        Pair("(part_max_x - part_min_x)", "(part_max_y - part_min_y)"),
-    ),
-    ("first_layer_center_no_wipe_tower", MIDDLE),
-    (
-        "first_layer_print_convex_hull",
-        None("write the part's box, {{ part_min_x }} to {{ part_max_y }}"),
-    ),
-    ("input_filename_base", Is(Other, "model_name")),
-    ("input_filename", Is(Other, "model_name")),
-    ("plate_name", Is(Other, "model_name")),
-    ("jobname", Is(Other, "model_name")),
-    ("print_job_name", Is(Other, "model_name")),
+    "first_layer_print_min" => Pair("part_min_x", "part_min_y");
+    "first_layer_print_max" => Pair("part_max_x", "part_max_y");
+    "first_layer_print_size"
+        => Pair("(part_max_x - part_min_x)", "(part_max_y - part_min_y)");
+    "first_layer_center_no_wipe_tower" => MIDDLE;
+    "first_layer_print_convex_hull"
+        => None("write the part's box, {{ part_min_x }} to {{ part_max_y }}");
+    "input_filename_base", "input_filename", "plate_name", "jobname",
+        "print_job_name" => Is(Other, "model_name");
     // Filament, retraction, speed.
-    ("filament_diameter", Is(Number, "filament_diameter")),
-    ("material_diameter", Is(Number, "filament_diameter")),
-    ("filament_type", Is(Other, "filament.material")),
-    ("material_type", Is(Other, "filament.material")),
-    ("filament_density", Is(Number, "filament.density")),
-    ("filament_cost", Is(Number, "filament.cost")),
-    (
-        "filament_max_volumetric_speed",
-        Is(Number, "filament.max_flow"),
-    ),
-    ("retract_length", Is(Number, "retract_length")),
-    ("retraction_length", Is(Number, "retract_length")),
-    ("retraction_amount", Is(Number, "retract_length")),
-    ("retract_speed", Is(Number, "retract.speed")),
-    ("retraction_speed", Is(Number, "retract.speed")),
-    ("retraction_retract_speed", Is(Number, "retract.speed")),
-    ("deretract_speed", Is(Number, "retract.prime_speed")),
-    ("deretraction_speed", Is(Number, "retract.prime_speed")),
-    ("retraction_prime_speed", Is(Number, "retract.prime_speed")),
-    ("retract_lift", Is(Number, "retract.z_hop")),
-    ("z_hop", Is(Number, "retract.z_hop")),
-    ("retraction_hop", Is(Number, "retract.z_hop")),
-    ("travel_speed", Is(Number, "speed.travel")),
-    ("speed_travel", Is(Number, "speed.travel")),
-    ("travel_speed_z", Is(Number, "printer.max_speed_z")),
-    ("machine_max_acceleration_extruding", ACCELERATION),
-    (
-        "machine_max_acceleration_travel",
-        Is(Number, "printer.travel_acceleration"),
-    ),
-    ("default_acceleration", ACCELERATION),
+    "filament_diameter", "material_diameter" => Is(Number, "filament_diameter");
+    "filament_type", "material_type" => Is(Other, "filament.material");
+    "filament_density" => Is(Number, "filament.density");
+    "filament_cost" => Is(Number, "filament.cost");
+    "filament_max_volumetric_speed" => Is(Number, "filament.max_flow");
+    "retract_length", "retraction_length", "retraction_amount"
+        => Is(Number, "retract_length");
+    "retract_speed", "retraction_speed", "retraction_retract_speed"
+        => Is(Number, "retract.speed");
+    "deretract_speed", "deretraction_speed", "retraction_prime_speed"
+        => Is(Number, "retract.prime_speed");
+    "retract_lift", "z_hop", "retraction_hop" => Is(Number, "retract.z_hop");
+    "travel_speed", "speed_travel" => Is(Number, "speed.travel");
+    "travel_speed_z" => Is(Number, "printer.max_speed_z");
+    "machine_max_acceleration_extruding" => ACCELERATION;
+    "machine_max_acceleration_travel"
+        => Is(Number, "printer.travel_acceleration");
+    "default_acceleration" => ACCELERATION;
     // How it is printed.
-    ("perimeters", Is(Whole, "walls")),
-    ("wall_loops", Is(Whole, "walls")),
-    ("wall_line_count", Is(Whole, "walls")),
-    ("fill_density", Is(Number, "infill_density")),
-    ("sparse_infill_density", Is(Number, "infill_density")),
-    ("infill_sparse_density", Is(Number, "infill_density")),
+    "perimeters", "wall_loops", "wall_line_count" => Is(Whole, "walls");
+    "fill_density", "sparse_infill_density", "infill_sparse_density"
+        => Is(Number, "infill_density");
     // Extruders, of which there is one.
-    ("initial_tool", FIRST_TOOL),
-    ("initial_extruder", FIRST_TOOL),
-    ("initial_extruder_nr", FIRST_TOOL),
-    ("initial_no_support_extruder", FIRST_TOOL),
-    ("current_extruder", FIRST_TOOL),
-    ("current_tool", FIRST_TOOL),
-    ("num_extruders", Is(Whole, "1")),
-    ("total_toolchanges", Is(Whole, "0")),
-    ("is_extruder_used", Is(Other, "true")),
-    ("has_wipe_tower", Is(Other, "false")),
-    (
-        "has_single_extruder_multi_material_priming",
-        Is(Other, "false"),
-    ),
-    ("next_extruder", None(ONE_MATERIAL)),
-    ("previous_extruder", None(ONE_MATERIAL)),
-    ("toolchange_z", None(ONE_MATERIAL)),
+    "initial_tool", "initial_extruder", "initial_extruder_nr",
+        "initial_no_support_extruder", "current_extruder", "current_tool"
+        => FIRST_TOOL;
+    "num_extruders" => Is(Whole, "1");
+    "total_toolchanges" => Is(Whole, "0");
+    "is_extruder_used" => Is(Other, "true");
+    "has_wipe_tower", "has_single_extruder_multi_material_priming"
+        => Is(Other, "false");
+    "next_extruder", "previous_extruder", "toolchange_z" => None(ONE_MATERIAL);
     // Values that are known at the end only.
-    ("print_time", AtEnd(Other, "print_time")),
-    ("normal_print_time", AtEnd(Other, "print_time")),
-    ("silent_print_time", AtEnd(Other, "print_time")),
-    ("used_filament", METRES),
-    ("filament_amount", METRES),
-    ("extruded_volume", VOLUME),
-    ("extruded_volume_total", VOLUME),
-    ("extruded_weight", MASS),
-    ("extruded_weight_total", MASS),
-    ("total_weight", MASS),
-    ("filament_weight", MASS),
-    (
-        "total_cost",
-        AtEnd(Number, "(filament_mass * filament.cost / 1000)"),
-    ),
-    ("timestamp", None(NO_CLOCK)),
-    ("year", None(NO_CLOCK)),
-    ("month", None(NO_CLOCK)),
-    ("day", None(NO_CLOCK)),
-    ("hour", None(NO_CLOCK)),
-    ("minute", None(NO_CLOCK)),
-    ("second", None(NO_CLOCK)),
-    ("date", None(NO_CLOCK)),
-    ("time", None(NO_CLOCK)),
-];
+    "print_time", "normal_print_time", "silent_print_time"
+        => AtEnd(Other, "print_time");
+    "used_filament", "filament_amount" => METRES;
+    "extruded_volume", "extruded_volume_total" => VOLUME;
+    "extruded_weight", "extruded_weight_total", "total_weight",
+        "filament_weight" => MASS;
+    "total_cost" => AtEnd(Number, "(filament_mass * filament.cost / 1000)");
+    "timestamp", "year", "month", "day", "hour", "minute", "second", "date",
+        "time" => None(NO_CLOCK);
+};
 
 const FIRST_NOZZLE: Ours = Is(Whole, "first_layer_nozzle_temperature");
 const NOZZLE: Ours = Is(Whole, "nozzle_temperature");
