@@ -60,6 +60,8 @@ struct Beginning<'f> {
     /// What holds the layer's walls, unless all of them are held.
     support: Option<Support<'f>>,
     ground: Option<Ground<'f>>,
+    /// True if supports hold a part of the layer.
+    supported: bool,
     /// Where the head is likely to come from, and where the seams are expected.
     from: Option<DVec2>,
     seams: Vec<DVec2>,
@@ -77,6 +79,7 @@ impl Beginning<'_> {
             seams: &self.seams,
             support: self.support.as_ref(),
             ground: self.ground,
+            supported: self.supported,
         }
     }
 }
@@ -255,6 +258,7 @@ impl<'a> PartPaths<'a> {
             filled,
             support,
             ground: below.and_then(|below| layer.ground(below)),
+            supported: self.planned.stages.is_supported(layer.span.index),
             from: course.begin(layer),
             seams: course.seams(&layer.span),
             begun: Begun::default(),

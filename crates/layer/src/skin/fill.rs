@@ -50,6 +50,8 @@ pub(super) struct Filler<'a> {
     pub angle: Degrees,
     pub height: Mm,
     pub plan: &'a SkinPlan,
+    /// The role of rings that hang. Supports would hold them.
+    pub hung: Role,
 }
 
 /// A layer next to this one, sorted by place when an island first asks.
@@ -114,7 +116,7 @@ impl Filler<'_> {
             && rings.iter().any(hung::is_around_hole)
         {
             let below = EdgeGrid::new(&below.near(island), ring.width);
-            let role = self.plan.hung;
+            let role = self.hung;
             let last = hung::around_holes(&mut rings, &below, role);
             // Nothing is printed on what is ironed.
             let irons =
@@ -163,7 +165,7 @@ impl Filler<'_> {
             Some(below) => {
                 let below = below.near(island);
                 let below = EdgeGrid::new(&below, look.width);
-                hung::apart(rings, &below, self.plan.hung)
+                hung::apart(rings, &below, self.hung)
             }
             None => (rings, Vec::new()),
         };
@@ -206,7 +208,7 @@ impl Filler<'_> {
                     width,
                     anchor: self.plan.anchor,
                     // Supports may hold what stays skin.
-                    rings: (self.plan.hung == Role::Bridge).then_some(rings),
+                    rings: (self.hung == Role::Bridge).then_some(rings),
                 };
                 bridges(area, below, hanging)
             }
@@ -265,7 +267,7 @@ impl Filler<'_> {
             pattern: SkinPattern::Lines,
             width: self.plan.bottom.width,
         };
-        let hung = bridged.iter().flat_map(|b| self.hung(b, look, sides));
+        let hung = bridged.iter().flat_map(|b| self.over_gap(b, look, sides));
         let at = fills.len().saturating_sub(1);
         fills.splice(at..at, hung);
         fills.extend(self.ironing(|| inside.clone(), sides));
@@ -274,7 +276,12 @@ impl Filler<'_> {
     }
 
     /// The lines of a bridge.
-    fn hung(&self, bridge: &Bridge, look: Look, sides: Sides<'_>) -> Vec<Fill> {
+    fn over_gap(
+        &self,
+        bridge: &Bridge,
+        look: Look,
+        sides: Sides<'_>,
+    ) -> Vec<Fill> {
         let Some(below) = self.over_air(sides) else {
             return Vec::new();
         };
@@ -291,7 +298,7 @@ impl Filler<'_> {
                 let rings = concentric(&bridge.area, lay, TOLERANCE);
                 let bead = |s| self.bead(Role::BottomSkin, s);
                 let rings = rings.into_iter().map(bead).collect();
-                let (held, hung) = hung::apart(rings, &below, self.plan.hung);
+                let (held, hung) = hung::apart(rings, &below, self.hung);
                 let held = Some(hung::fill(held));
                 held.into_iter().chain(hung).collect()
             }

@@ -38,7 +38,7 @@ use crate::cover::{Covered, Islands};
 use crate::view::{LayerFace, LayerView};
 use fill::{AdjacentLayer, Filler};
 use isoslice_base::units::Mm;
-use isoslice_planar::bead::Bead;
+use isoslice_planar::bead::{Bead, Role};
 use isoslice_planar::clip::difference;
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Solid};
@@ -82,11 +82,13 @@ pub struct Fill {
 }
 
 /// The beads of a layer's skin, beside which `sparse` infill lies. Even layers
-/// get lines at `skin_angle`, odd ones at right angles to it.
+/// get lines at `skin_angle`, odd ones at right angles to it. If the layer is
+/// `supported`, what hangs is left to its supports.
 pub fn patches(
     skin: &Area,
     sparse: &Area,
     view: &LayerView<'_>,
+    supported: bool,
     plan: &SkinPlan,
 ) -> Vec<Patch> {
     let pressed = into_walls(skin, sparse, plan.into_walls);
@@ -107,6 +109,11 @@ pub fn patches(
         angle: plan.directions[span.index % 2],
         height: span.height(),
         plan,
+        hung: if plan.rings_hang && !supported {
+            Role::Bridge
+        } else {
+            Role::BottomSkin
+        },
     };
     let sides = covers.map(|(over, under)| Sides {
         above: (over, above.map(|f| f.outline.grid())),
@@ -140,7 +147,7 @@ mod tests {
     use super::*;
     pub(super) use crate::walls::content_of as laid;
     use glam::DVec2;
-    use isoslice_planar::bead::{Role, Stroke, spacing};
+    use isoslice_planar::bead::{Stroke, spacing};
     use isoslice_planar::shapes::{circle, disc, moved, rect, square};
     use isoslice_settings::testing::{plan_with, usual_plan};
     use isoslice_settings::{SkinPattern, SwitchOr};
@@ -159,7 +166,7 @@ mod tests {
         let [below, above] = [&below, &above]
             .map(|solid| solid.iter().collect::<Vec<&Solid<'_>>>());
         let view = LayerView::of(layer, &here, &above, &below);
-        patches(skin, sparse, &view, plan)
+        patches(skin, sparse, &view, false, plan)
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::walls::ThinPlan;
 use isoslice_base::units::{Degrees, Mm, Percent};
 use isoslice_planar::bead::Role;
-use isoslice_settings::{Settings, SkinPattern, Supports};
+use isoslice_settings::{Settings, SkinPattern};
 
 /// How one kind of skin is filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +38,9 @@ pub struct SkinPlan {
     pub ironing: Option<Mm>,
     /// True if lines over nothing become bridges.
     pub bridges: bool,
-    /// The role of rings that hang.
-    pub hung: Role,
+    /// True if bridges may lie side by side, as rings do: their beads are no thinner
+    /// than others.
+    pub rings_hang: bool,
     /// How far bridges reach onto what holds them, mm.
     pub anchor: Mm,
     /// Bridges over infill.
@@ -57,16 +58,6 @@ pub struct InternalBridgePlan {
     pub infill: Mm,
     /// Distance of a line from the centre line of a wall that it touches, mm.
     pub beside_wall: Mm,
-}
-
-/// The role of rings that hang. Supports would hold them, and the beads of bridges may
-/// be too thin to lie side by side.
-fn hung(settings: &Settings) -> Role {
-    if settings.supports == Supports::Off && settings.bridge_flow >= 100.0 {
-        Role::Bridge
-    } else {
-        Role::BottomSkin
-    }
 }
 
 impl SkinPlan {
@@ -99,7 +90,7 @@ impl SkinPlan {
                 .is_on()
                 .then(|| settings.ironing_spacing()),
             bridges: settings.bridges(),
-            hung: hung(settings),
+            rings_hang: settings.bridge_flow >= 100.0,
             anchor: settings.bridge_anchor,
             internal_bridges: InternalBridgePlan {
                 layers: settings.internal_bridges.number(),

@@ -36,7 +36,7 @@ impl Inside {
         };
         // Walls that pass no seam have a stage of their own, before all loops or
         // after them.
-        let skin_holds = plan.skin_holds && context.holds_some(&inside.skin);
+        let skin_holds = !context.supported && context.holds_some(&inside.skin);
         let stage = |inner_first| if inner_first { 0 } else { 2 };
         let away_stage = stage(plan.inner_first);
         for mut group in island.loops {

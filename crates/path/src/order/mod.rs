@@ -103,6 +103,8 @@ pub struct Context<'a> {
     /// What holds the layer, if its outline differs from that of the layer
     /// below.
     pub ground: Option<Ground<'a>>,
+    /// True if supports hold a part of the layer.
+    pub supported: bool,
 }
 
 impl Context<'_> {
@@ -345,6 +347,7 @@ mod tests {
             seams: &[],
             support: None,
             ground: None,
+            supported: false,
         }
     }
 

@@ -1,7 +1,7 @@
 //! What the order of beads needs of the settings.
 
 use isoslice_base::units::Mm;
-use isoslice_settings::{SeamRule, Settings, Supports, Varying, WallOrder};
+use isoslice_settings::{SeamRule, Settings, Varying, WallOrder};
 
 /// In which order beads are printed, and what may go on in what.
 #[derive(Clone, Copy, Debug)]
@@ -12,8 +12,6 @@ pub struct OrderPlan {
     pub(super) inner_first_at_overhangs: bool,
     /// True if walls that hang run the other way round in every other layer.
     pub(super) turns_overhangs: bool,
-    /// True if walls that nothing holds but the skin beside them come after it.
-    pub(super) skin_holds: bool,
     /// True if loops begin where the nozzle is.
     pub(super) begins_anywhere: bool,
     /// Width of the outer wall, mm.
@@ -37,7 +35,6 @@ impl OrderPlan {
             inner_first_at_overhangs: s.wall_order
                 == WallOrder::OuterFirstUnlessOverhang,
             turns_overhangs: s.overhang_reverse,
-            skin_holds: s.supports == Supports::Off,
             begins_anywhere: s.seam == Varying::Constant(SeamRule::Nearest),
             outer_width: s.outer_wall_width(),
             whole_seams,

@@ -76,6 +76,17 @@ impl Stages<'_> {
         Ok((beads, areas))
     }
 
+    /// The beads of a layer's skin, which lies beside `sparse` infill.
+    pub(super) fn patches(
+        &self,
+        own: &Area,
+        sparse: &Area,
+        view: &LayerView<'_>,
+    ) -> Vec<Patch> {
+        let supported = self.is_supported(view.here.span.index);
+        skin::patches(own, sparse, view, supported, &self.plans.skin)
+    }
+
     /// The beads of a layer's skin.
     pub(crate) fn skin(
         &self,
@@ -84,7 +95,7 @@ impl Stages<'_> {
     ) -> Vec<Patch> {
         self.timings.time(Stage::Skin, || {
             let (own, sparse) = (&areas.skin, &areas.sparse);
-            let mut skin = skin::patches(own, sparse, view, &self.plans.skin);
+            let mut skin = self.patches(own, sparse, view);
             if self.is_on_raft(view.here.span.index) {
                 // The skin's underside lies over the air above the raft.
                 let down = of_skin(&mut skin);

@@ -8,7 +8,7 @@ use isoslice_layer::exposure::FillAreas;
 use isoslice_layer::skin::internal_bridges::{
     Below, Level, Over, Under, bridged,
 };
-use isoslice_layer::skin::{self, Patch, internal_bridges};
+use isoslice_layer::skin::{Patch, internal_bridges};
 use isoslice_layer::view::LayerView;
 use isoslice_planar::Area;
 use isoslice_planar::bead::Bead;
@@ -58,7 +58,7 @@ impl Stages<'_> {
         let made = self.timings.time(Stage::Skin, || {
             let bridged = bridged(over, under, levels, &self.plans.skin)?;
             let (own, sparse) = (&bridged.skin, &bridged.sparse);
-            let mut skin = skin::patches(own, sparse, view, &self.plans.skin);
+            let mut skin = self.patches(own, sparse, view);
             skin.extend(bridged.patches);
             self.thin(of_skin(&mut skin));
             Some((skin, bridged.sparse, bridged.left, bridged.levels))

@@ -278,6 +278,12 @@ impl<'a> Stages<'a> {
         }
     }
 
+    /// True if supports hold a part of a layer.
+    pub(crate) fn is_supported(&self, layer: usize) -> bool {
+        let under = self.support().and_then(|support| support.under(layer));
+        under.is_some_and(|area| !area.is_empty())
+    }
+
     /// The top of a layer's supports, if it can have some.
     pub(crate) fn support_top(&self, span: &LayerSpan) -> Option<Top> {
         self.support()?.top(span, self.plans.supports_follow)
