@@ -8,7 +8,7 @@ use super::heat::HeatLimit;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Celsius, Mm, Mm2, MmPerSec};
 use isoslice_gcode_read::reader::Heater;
-use isoslice_settings::{PlateSequence, Settings, keys};
+use isoslice_settings::{Flavour, PlateSequence, Settings, keys};
 
 /// Precision of the positions in a file, mm.
 pub(super) const ROUNDING: Mm = 2e-3;
@@ -59,6 +59,8 @@ pub struct Rules {
     pub least_heat: Celsius,
     /// Greatest gap between supports and the part.
     pub gap: Mm,
+    /// The firmware that reads the file.
+    pub(crate) flavour: Flavour,
     /// What the head needs beside finished parts, if parts are printed one by
     /// one.
     pub(crate) head_room: Option<HeadRoom>,
@@ -99,6 +101,7 @@ impl Rules {
             speed_z: printer.max_speed_z,
             least_heat: settings.min_nozzle_temperature(),
             gap: settings.support.z_gap.max(settings.support.z_gap_bottom),
+            flavour: settings.gcode.flavour,
             head_room: match settings.plate.sequence {
                 PlateSequence::OneByOne => HeadRoom::of(printer),
                 PlateSequence::AllAtOnce => None,
