@@ -145,12 +145,20 @@ fn legal_settings_pass() {
     let many = "max(max(sin(2*x), sin(2*y)) - 0.1, max(max(abs(x), abs(y)) - 6, \
                 abs(z - 1) - 1))";
     let ball = "sqrt(x^2 + y^2 + z^2) - 4";
+    let disc = "max(hypot(x, y) - 8, abs(z - 1) - 1)";
     for (formula, own) in [
         (
             many,
             &["retract.extra_prime=-0.3", "retract.min_travel=0"][..],
         ),
         (ball, &["flow=150", "seam_scarf=10"][..]),
+        // The halves of a scarf of a wide wall have more than one bead of the nozzle's
+        // width.
+        (disc, &["outer_wall_width=1", "seam_scarf=10"][..]),
+        (
+            disc,
+            &["outer_wall_width=0.65", "seam_scarf=10 mm from 10%"][..],
+        ),
     ] {
         passes(formula, own);
     }
