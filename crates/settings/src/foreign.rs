@@ -80,6 +80,23 @@ const NAMES: &[(&str, &str)] = &[
     ("seam_position", "seam"),
     ("gcode_flavor", "gcode.flavour"),
     ("fan", "cooling.fan_speed"),
+    ("pause", PAUSE),
+    ("pauses", PAUSE),
+    ("pause_at_layer", PAUSE),
+    ("pause_layer", PAUSE),
+    ("pause_at_height", PAUSE),
+    ("pause_height", PAUSE),
+    ("pause_print", PAUSE),
+    ("pause_gcode", PAUSE),
+    ("pause_print_gcode", PAUSE),
+    ("machine_pause_gcode", PAUSE),
+    ("color_change", PAUSE),
+    ("colour_change", PAUSE),
+    ("color_change_gcode", PAUSE),
+    ("color_change_at_layer", PAUSE),
+    ("filament_change", PAUSE),
+    ("filament_change_at_layer", PAUSE),
+    ("threshold_angle", "support.angle"),
     (
         "acceleration",
         "acceleration.outer_wall, or another one of the group \
@@ -104,6 +121,9 @@ const NAMES: &[(&str, &str)] = &[
 
 const SUPPORTS: &str = "supports = \"auto\"";
 const ADAPTIVE: &str = "layer_heights = \"adaptive\"";
+/// docs/gcode.md says which line pauses which firmware.
+const PAUSE: &str = "gcode.layer, with the firmware's pause in one layer, such as \
+                     {% if layer == 25 %}M0{% endif %}";
 const ADHESION: &str = "brim.place = \"outer\", skirt.loops = 2 or \
                         raft.layers = 3";
 
@@ -338,6 +358,8 @@ mod tests {
             ("brim=5", "brim.place = \"outer\""),
             ("support=true", "did you mean supports?"),
             ("gcode.flavour=duet", "\"rrf\""),
+            ("color_change=3", "gcode.layer, with the firmware's pause"),
+            ("pause_at_layer=3", "{% if layer == 25 %}M0{% endif %}"),
         ] {
             let told = told(assignment);
             assert!(told.contains(wanted), "{assignment}: {told}");
