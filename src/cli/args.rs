@@ -9,7 +9,8 @@ use clap_complete::engine::ArgValueCompleter;
 use glam::DVec3;
 use isoslice::files;
 use isoslice::model::{
-    self, Bounds, BuildVolume, Loaded, Model, Placement, Source, SourceKind,
+    self, Bounds, BuildVolume, LoadError, Loaded, Model, Placement, Source,
+    SourceKind,
 };
 use isoslice::plate::Wanted;
 use isoslice::settings::{
@@ -258,7 +259,30 @@ impl ModelArgs {
                 path.display()
             );
         }
-        Ok(model::load(&self.source()?, &self.defines)?)
+        let loaded = model::load(&self.source()?, &self.defines);
+        Ok(loaded.map_err(|error| self.with_height(error))?)
+    }
+
+    /// The advice for a drawing that was given as a model, with the height that was
+    /// given.
+    fn with_height(&self, error: LoadError) -> LoadError {
+        let LoadError::NoModel {
+            file,
+            found,
+            mut advice,
+        } = error
+        else {
+            return error;
+        };
+        if let Some(height) = self.height {
+            let given = format!("--height {height}");
+            advice = advice.replace("--height 2", &given);
+        }
+        LoadError::NoModel {
+            file,
+            found,
+            advice,
+        }
     }
 
     /// The files that a command with these settings reads. No output may be one

@@ -145,13 +145,66 @@ fn legal_settings_pass() {
     let many = "max(max(sin(2*x), sin(2*y)) - 0.1, max(max(abs(x), abs(y)) - 6, \
                 abs(z - 1) - 1))";
     let ball = "sqrt(x^2 + y^2 + z^2) - 4";
+    let disc = "max(hypot(x, y) - 8, abs(z - 1) - 1)";
+    let stepped = "min(max(hypot(x, y) - 6, abs(z - 1.1) - 0.85), \
+                   max(hypot(x, y) - 5.6, abs(z - 0.5) - 0.5))";
     for (formula, own) in [
         (
             many,
             &["retract.extra_prime=-0.3", "retract.min_travel=0"][..],
         ),
         (ball, &["flow=150", "seam_scarf=10"][..]),
+        // The halves of a scarf of a wide wall have more than one bead of the nozzle's
+        // width.
+        (disc, &["outer_wall_width=1", "seam_scarf=10"][..]),
+        (
+            disc,
+            &["outer_wall_width=0.65", "seam_scarf=10 mm from 10%"][..],
+        ),
+        // The first turn of a vase rises by much less than the flat layer is high.
+        (
+            stepped,
+            &[
+                "spiral=true",
+                "layer_heights=adaptive",
+                "bottom_layers=0",
+                "gcode.comments=cura",
+            ][..],
+        ),
     ] {
         passes(formula, own);
+    }
+}
+
+/// Files without comments do not say which layer a bead belongs to that rises.
+#[test]
+fn beads_that_rise_are_no_fault_in_files_without_comments() {
+    let pins = "min(max(max(abs(x), abs(y)) - 4.2, abs(z - 0.3) - 0.3), \
+                min(max(hypot(x + 1.2, y + 2.8) - 1.1, abs(z - 1) - 1), \
+                max(hypot(x - 2.2, y + 0.2) - 1.2, abs(z - 0.8) - 0.8)))";
+    let pockets = "max(max(max(max(max(abs(x), abs(y)) - 7.998, abs(z - 1) - 1), \
+                   -max(abs(x + 3.865) - 3.784, abs(z - 1.182) - 0.7656)), \
+                   -max(max(abs(x - 5.945) - 3.992, abs(y - 4.793) - 3.943), \
+                   abs(z - 1.419) - 1.107)), \
+                   -max(abs(x - 2.274) - 3.043, abs(y + 4.321) - 1.837))";
+    let scarf: &[&str] = &[
+        "layer_height=0.18",
+        "infill_density=0",
+        "top_walls=1",
+        "seam_scarf=20 mm from 0%",
+    ];
+    for (formula, own) in [(pockets, &["contour_z=100"][..]), (pins, scarf)] {
+        let settings = settings(&[own, &["gcode.comments=none"]].concat());
+        let model = crate::common::formula(formula, &settings);
+        let out = &mut Vec::new();
+        let sliced = isoslice::pipeline::slice(
+            &model,
+            &settings,
+            &Options::default(),
+            out,
+        );
+        let warnings = sliced.unwrap().warnings;
+        let of_check = |w: &&String| w.contains("is laid into");
+        assert_eq!(warnings.iter().filter(of_check).count(), 0, "{warnings:?}");
     }
 }

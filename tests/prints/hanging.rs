@@ -166,6 +166,22 @@ fn a_lid_over_a_wide_box_hangs_though_its_rim_is_held() {
 }
 
 #[test]
+fn a_vase_has_no_ceilings_that_hang() {
+    // A coaster with two pockets inside, as for magnets.
+    let block = block([-15.0, -15.0, 0.0], [15.0, 15.0, 4.0]);
+    let pocket = |x: f64| format!("max(hypot(x - {x}, y) - 6, abs(z - 2) - 1)");
+    let text = format!("max({block}, -min({}, {}))", pocket(-7.5), pocket(7.5));
+    let set = ["bridge_max=8", "skirt.loops=0"];
+    let solid = run(&text, &set, "..", 2).hanging;
+    assert_eq!(solid.bridges.count, 2);
+    let vase = [&set[..], &["spiral=true", "bottom_layers=2"]].concat();
+    let vase = run(&text, &vase, "..", 2);
+    let told = |w: &String| w.contains("bridge");
+    assert!(vase.hanging.bridges.is_none() && vase.hanging.leans.is_none());
+    assert!(!vase.warnings.iter().any(told), "{:?}", vase.warnings);
+}
+
+#[test]
 fn what_begins_on_nothing_counts_unless_it_is_a_tip() {
     // A pin beside a post, 2 mm below a bar that joins them.
     let pin = |half: f64| {

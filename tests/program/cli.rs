@@ -602,8 +602,26 @@ fn typical_mistakes_are_told_what_to_write() {
     write(&folder, "text.rhai", "sqrt(x*x + y*y) - \"5\"");
     write(&folder, "python.rhai", "def f(a):\n  return a\n");
     write(&folder, "unit.toml", "walls = 2\nlayer_height = 0.2mm\n");
+    write(&folder, "logo.svg", "<svg/>");
     std::fs::create_dir(folder.path().join("parts")).unwrap();
     for (arguments, told) in [
+        ("slice logo.svg --height 15", "(\"logo.svg\")' --height 15"),
+        (
+            "slice ok.rhai --set color_change=3",
+            "did you mean gcode.layer, with the firmware's pause in one layer",
+        ),
+        (
+            "slice ok.rhai --pause-at-layer 3",
+            "isoslice has gcode.layer, with the firmware's pause",
+        ),
+        (
+            "slice ok.rhai --set support.threshold_angle=40",
+            "did you mean support.angle?",
+        ),
+        (
+            "slice ok.rhai --set support_angle=40",
+            "did you mean support.angle?",
+        ),
         ("slice none.rhai", "cannot read none.rhai: check its name"),
         ("slice parts", "parts is a folder; "),
         ("slice ok", "did you mean ok.rhai?"),

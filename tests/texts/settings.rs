@@ -522,6 +522,10 @@ fn unwise_settings_are_warned_of() {
                     "infill_mode=solid",
                     "infill_angle=10",
                 ],
+                &["fuzzy.grain=0.3", "fuzzy.holes=true"],
+                &["ironing_spacing=0.1", "speed.ironing=15"],
+                &["support.z_gap=0.3", "support.density=20"],
+                &["skirt.loops=0", "skirt.distance=4"],
             ]
             .map(|given| (given.join(" "), warnings(given).join("\n    "))),
         ),
@@ -566,6 +570,21 @@ fn what_nobody_asked_for_is_not_warned_of() {
     let area = 0.25 * 0.2 + 0.01 * std::f64::consts::PI;
     assert!((3.0 / area - 36.8).abs() < 0.1);
     assert!(Settings::default().notes().is_empty());
+}
+
+/// `isoslice settings` writes all settings, and asks for none.
+#[test]
+fn a_file_with_all_defaults_is_not_warned_of() {
+    let warnings = |text: &str| {
+        let mut builder = Builder::new();
+        builder.toml("my.toml", text).unwrap();
+        builder.finish().unwrap().1
+    };
+    let all = Settings::default().to_toml();
+    assert_eq!(warnings(&all), Vec::<String>::new());
+    assert!(all.contains("\nz_gap = 0.2\n"));
+    let other = all.replace("\nz_gap = 0.2\n", "\nz_gap = 0.3\n");
+    assert_eq!(warnings(&other).len(), 1);
 }
 
 #[test]

@@ -111,7 +111,10 @@ impl Checker<'_> {
             }
         }
         let effect = words::of_code(letter, tenths, words);
-        if effect != Some(Effect::None) {
+        if effect == Some(Effect::Pauses) && (letter, tenths) == ('M', 4000) {
+            // Without a U, M400 waits until all moves are made.
+            self.word(line, "M400 U1", effect);
+        } else if effect != Some(Effect::None) {
             self.word(line, &words::code(letter, tenths), effect);
         }
     }
@@ -205,6 +208,7 @@ impl Checker<'_> {
         let printed = self.ending.has_printed();
         let (kind, why) = match effect {
             Some(Effect::None) => return,
+            Some(Effect::Pauses) => return self.pause(line, word),
             Some(Effect::Doubts(why)) => (FindingKind::Changed, why),
             Some(Effect::Disturbs(why)) => (FindingKind::Harmful, why),
             Some(Effect::Spoils(why)) if printed => (FindingKind::Harmful, why),
@@ -229,6 +233,19 @@ impl Checker<'_> {
         if printed {
             let why = format!("{word} {why}");
             self.hold(kind, word, line, DVec3::NAN, why);
+        }
+    }
+
+    /// Reports a pause, or what a pause of other firmware is here.
+    fn pause(&mut self, line: u64, word: &str) {
+        let pauses = &self.rules.flavour.firmware().pauses;
+        let (why, ends) = words::pause(word, pauses);
+        if !ends {
+            self.told(FindingKind::Changed, word, line, &why);
+        } else if self.ending.has_printed() {
+            // Files for such firmware may end with the command.
+            let why = format!("{word} {why}");
+            self.hold(FindingKind::Harmful, word, line, DVec3::NAN, why);
         }
     }
 

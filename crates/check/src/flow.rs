@@ -136,6 +136,9 @@ struct Layer {
     /// by how far they rise.
     standing: f64,
     upright: Mm2,
+    /// The same area where the reader takes beads for higher than they rise: by how far
+    /// they rise.
+    risen: Mm2,
     windows: Vec<Window>,
     /// The number of each window.
     places: Tiles<usize>,
@@ -220,6 +223,7 @@ impl Flow {
         };
         self.layer.standing += area * length;
         self.layer.upright += height * length;
+        self.layer.risen += rise.min(height) * length;
         let tells = match below {
             Below::Part => true,
             Below::Support => false,
@@ -337,12 +341,21 @@ impl Layer {
         // wrong there.
         let filled = || beyond(self.filled()?, 0.0, TOO_MUCH);
         let [narrow, wide] = [TOO_NARROW * widths[0], TOO_WIDE * widths[1]];
-        let width = || {
-            let enough = self.upright >= LITTLE;
-            enough.then(|| self.standing / self.upright)
+        let enough = self.upright >= LITTLE;
+        let width = self.standing / self.upright;
+        let is_wide = || {
+            let share = beyond(width, 0.0, wide)? / widths[0];
+            enough.then_some(share)
         };
-        let is_wide = || Some(beyond(width()?, narrow, wide)? / widths[0]);
-        let share = little.or_else(much).or_else(filled).or_else(is_wide)?;
+        // The first turn of a climbing wall begins at the height where the layer below
+        // ends. How high it gets, no reader can tell before it has been printed.
+        let is_narrow = || {
+            beyond(self.standing / self.risen, narrow, f64::INFINITY)?;
+            let share = beyond(width, narrow, f64::INFINITY)? / widths[0];
+            enough.then_some(share)
+        };
+        let share = little.or_else(much).or_else(filled).or_else(is_wide);
+        let share = share.or_else(is_narrow)?;
         Some(Wrong { line, share })
     }
 
@@ -432,6 +445,54 @@ mod tests {
         }
         for share in [0.02, 0.8] {
             assert!(found("", 2.0, share).is_some(), "{share}");
+        }
+    }
+
+    #[test]
+    fn a_first_turn_that_climbs_has_room_by_how_far_it_rises() {
+        /// What is found in walls of 4 × 25 mm: one on the bed, and one that climbs
+        /// from its top by this much, with a share of the plastic that has room.
+        fn found(rise: f64, share: f64) -> Option<Wrong> {
+            let corners = [(75, 50), (75, 75), (50, 75), (50, 50)];
+            let full = 25.0 * 0.4 / filament_area(1.75);
+            let mut text = "M83\n;LAYER:0\nG1 X50 Y50 Z0.2\n".to_owned();
+            for (x, y) in corners {
+                text += &format!("G1 X{x} Y{y} E{:.5}\n", 0.2 * full);
+            }
+            text += ";LAYER:1\n";
+            // The wall begins level, as one does that climbs less than is rounded.
+            for k in 0..40 {
+                let [a, b] = [corners[(k / 10 + 3) % 4], corners[k / 10]];
+                let part = |a, b| {
+                    f64::from(a) + f64::from(b - a) * 0.1 * (k % 10 + 1) as f64
+                };
+                let (x, y) = (part(a.0, b.0), part(a.1, b.1));
+                let high = rise * k as f64 / 40.0;
+                let fed = share * 0.1 * high * full;
+                text += &format!("G1 X{x} Y{y} Z{:.3} E{fed:.5}\n", 0.2 + high);
+            }
+            let mut flow = Flow::new(0.0, 0.4);
+            let mut ground = Ground::new(0.0, 0.4);
+            let mut wrong = None;
+            for event in Reader::new(text.as_bytes()) {
+                match event.unwrap() {
+                    Event::Move(step) if step.prints() => {
+                        let area = step.area(1.75);
+                        flow.bead(&step, area, &ground);
+                        ground.bead(&step, area);
+                    }
+                    Event::Layer { .. } => {
+                        wrong = wrong.or(flow.next_layer([1.0; 2], [0.4, 1.0]));
+                        ground.next_layer(false, |_| {});
+                    }
+                    _ => {}
+                }
+            }
+            wrong.or(flow.next_layer([1.0; 2], [0.4, 1.0]))
+        }
+        for rise in [0.03, 0.05, 0.1, 0.2] {
+            assert_eq!(found(rise, 1.0), None, "{rise}");
+            assert!(found(rise, 0.05).is_some(), "{rise}");
         }
     }
 

@@ -388,8 +388,8 @@ impl<'a> Checker<'a> {
         // Beads with more flow are thicker. What a formula asks for here is unknown.
         let [least, most] = self.rules.flow;
         let flow = if least == most { most.max(1.0) } else { 1.0 };
-        let most = flow * self.rules.nozzle * height;
-        if let Some(line) = self.again.bead(step, area, most) {
+        let usual = flow * self.rules.usual_width(step.role) * height;
+        if let Some(line) = self.again.bead(step, area, usual) {
             self.verdict.add(FindingKind::Again, line, step.from, || {
                 format!(
                     "the same beads are laid again, at the same place and \

@@ -7,8 +7,8 @@ use super::finished::HeadRoom;
 use super::heat::HeatLimit;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Celsius, Mm, Mm2, MmPerSec};
-use isoslice_gcode_read::reader::Heater;
-use isoslice_settings::{PlateSequence, Settings, keys};
+use isoslice_gcode_read::reader::{Heater, Role};
+use isoslice_settings::{Flavour, PlateSequence, Settings, keys};
 
 /// Precision of the positions in a file, mm.
 pub(super) const ROUNDING: Mm = 2e-3;
@@ -46,6 +46,8 @@ pub struct Rules {
     pub flow: [f64; 2],
     /// The least and the greatest width of usual lines.
     pub widths: [Mm; 2],
+    /// Width of the widest walls by the settings, at least that of the nozzle.
+    pub(crate) walls: Mm,
     /// Speed of travels.
     pub travel: MmPerSec,
     /// Height at which the file begins to print: 0 is the bed, and more if the
@@ -59,6 +61,8 @@ pub struct Rules {
     pub least_heat: Celsius,
     /// Greatest gap between supports and the part.
     pub gap: Mm,
+    /// The firmware that reads the file.
+    pub(crate) flavour: Flavour,
     /// What the head needs beside finished parts, if parts are printed one by
     /// one.
     pub(crate) head_room: Option<HeadRoom>,
@@ -93,12 +97,16 @@ impl Rules {
             prime: MORE + settings.retract.extra_prime.max(0.0),
             flow: spread(flow(settings), settings),
             widths: spread(widths(settings), settings),
+            walls: nozzle
+                .max(settings.outer_wall_width())
+                .max(settings.inner_wall_width()),
             travel: settings.travel_speed(),
             base: 0.0,
             speed: printer.max_speed,
             speed_z: printer.max_speed_z,
             least_heat: settings.min_nozzle_temperature(),
             gap: settings.support.z_gap.max(settings.support.z_gap_bottom),
+            flavour: settings.gcode.flavour,
             head_room: match settings.plate.sequence {
                 PlateSequence::OneByOne => HeadRoom::of(printer),
                 PlateSequence::AllAtOnce => None,
@@ -135,6 +143,7 @@ impl Rules {
         let of_any = parts.map(Rules::new).reduce(|a, b| Rules {
             flow: both(a.flow, b.flow),
             widths: both(a.widths, b.widths),
+            walls: a.walls.max(b.walls),
             gap: a.gap.max(b.gap),
             ..a
         });
@@ -143,10 +152,23 @@ impl Rules {
             Some(any) => Rules {
                 flow: any.flow,
                 widths: any.widths,
+                walls: any.walls,
                 gap: any.gap,
                 ..of_plate
             },
             None => of_plate,
+        }
+    }
+
+    /// Width of a usual bead of this role, at least that of the nozzle. Walls may be
+    /// wider than anything else.
+    pub(super) fn usual_width(&self, role: Role) -> Mm {
+        match role {
+            Role::OuterWall
+            | Role::InnerWall
+            | Role::Overhang
+            | Role::Unknown => self.walls,
+            _ => self.nozzle,
         }
     }
 

@@ -498,6 +498,84 @@ fn axes_are_homed_before_they_move() {
 }
 
 #[test]
+fn beads_that_rise_in_a_file_without_comments_may_be_low() {
+    let start = "G28\nM109 S200\nM83\nG1 X50 Y50 Z0.2 F6000\n";
+    // The second layer has a bead that rises to 0.42, another one that begins there, and
+    // which looks like a layer, and one that follows the surface down.
+    let told = |rise: &str, low: &str| {
+        let text = format!(
+            "{start}G1 X80 E1.2 F900\nG1 X50 Y50 Z0.4 F6000\nG1 X80 E1.2 F900\n\
+             G1 X50 Y50.4 F6000\nG1 X60 {rise} E0.4 F900\n\
+             G1 X60 Y54 Z0.6 F6000\nG1 Z0.42\nG1 X50 Y52 E0.4 F900\nG1 Z0.6 F6000\n\
+             G1 X80 Y50 F6000\nG1 Z{low}\nG1 X62 E0.6 F900\n{END}"
+        );
+        let all = verdict(&text);
+        count(&all, FindingKind::Sunk)
+    };
+    assert_eq!(told("Z0.42", "0.31"), 0);
+    // Without such beads, layers are what they seem.
+    assert_eq!(told("", "0.31"), 1);
+}
+
+#[test]
+fn a_pause_is_one_for_the_firmware_that_reads_it() {
+    let told = |flavour: &str, line: &str| {
+        let text = format!("{START}{line}\nG1 X60 E0.4 F900\n{END}");
+        let all = verdict_with(&text, &[&format!("gcode.flavour={flavour}")]);
+        let findings = all.findings.into_iter();
+        findings.map(|f| (f.kind, f.message)).collect::<Vec<_>>()
+    };
+    for (flavour, line, says) in [
+        ("marlin", "M0", "M0 stops the print until somebody is there"),
+        (
+            "marlin",
+            "M600",
+            "if Marlin was built with ADVANCED_PAUSE_FEATURE",
+        ),
+        ("marlin", "M601", "M601 does not stop the print: Marlin"),
+        ("marlin", "PAUSE", "write M0"),
+        (
+            "klipper",
+            "PAUSE",
+            "PAUSE stops the print until somebody is there",
+        ),
+        ("klipper", "PAUSE", "if printer.cfg has [pause_resume]"),
+        (
+            "klipper",
+            "M600",
+            "M600 does not stop the print unless printer.cfg defines it",
+        ),
+        ("klipper", "M0", "write PAUSE"),
+        ("rrf", "M226", "M226 stops the print"),
+        ("rrf", "M125", "write M226"),
+        ("prusa", "M601", "M601 stops the print"),
+        ("prusa", "M226", "write M601"),
+        ("bambu", "M400 U1", "M400 U1 stops the print"),
+        ("bambu", "M600", "M600 does not stop the print"),
+        ("bambu", "M600", "write M400 U1"),
+        ("marlin", "M400 U1", "M400 U1 does not stop the print"),
+    ] {
+        let told = told(flavour, line);
+        assert_eq!(told.len(), 1, "{flavour} {line}: {told:?}");
+        assert_eq!(told[0].0, FindingKind::Changed, "{flavour} {line}");
+        assert!(told[0].1.contains(says), "{flavour} {line}: {told:?}");
+    }
+    // A plain M400 waits for the moves before it.
+    assert_eq!(told("bambu", "M400"), []);
+    // RepRapFirmware's M0 ends the print, which belongs at the end of a file only.
+    assert_eq!(
+        told("rrf", "G1 X55 E0.2 F900\nM0")[0].0,
+        FindingKind::Harmful
+    );
+    let end = format!("{START}G1 X60 E0.4 F900\n{END}M0\n");
+    assert!(
+        verdict_with(&end, &["gcode.flavour=rrf"])
+            .findings
+            .is_empty()
+    );
+}
+
+#[test]
 fn commands_are_known_or_said_not_to_be() {
     let kinds = |line: &str| {
         let all = verdict(&format!("{START}{line}\nG1 X60 E0.4 F900\n{END}"));

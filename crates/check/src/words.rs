@@ -20,6 +20,9 @@ pub(super) enum Effect {
     /// The command should be looked at. The text says what it does, and
     /// completes a sentence that begins with the command.
     Warns(&'static str),
+    /// The command is a pause of some firmware's. What it does depends on the
+    /// firmware ([`pause`]).
+    Pauses,
     /// The command should be looked at if it stands between two beads.
     Doubts(&'static str),
     /// The command has no place between two beads of a print.
@@ -34,7 +37,7 @@ pub(super) enum Effect {
     /// mean.
     Harms(&'static str),
 }
-use Effect::{Disturbs, Doubts, Harms, Leaves, Spoils, Warns};
+use Effect::{Disturbs, Doubts, Harms, Leaves, Pauses, Spoils, Warns};
 
 /// When a row applies.
 #[derive(Clone, Copy, Debug)]
@@ -102,7 +105,6 @@ const STEPS: &str = "changes how far a motor goes for a millimetre: every \
                      length after it is another";
 const MEMORY: &str = "writes settings to the printer's memory, where they \
                       stay after this print";
-const WAITS: &str = "stops the print until somebody is there";
 const UNSEEN: &str = "moves the head where the check cannot follow";
 pub(super) const AWAY: &str = "moves the head away, and the next bead begins wherever it \
                     is then: write a travel in x and y, and a move in z, \
@@ -150,7 +152,7 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "G92.1 M212", Always => Warns(ZERO);
     "G93", Always => Harms("makes every F a time and not a speed");
     "G95", Always => Harms("makes every F a share of a turn");
-    "M0 M1 M25 M125 M226 M600 M601", Always => Warns(WAITS);
+    "M0 M1 M25 M125 M226 M600 M601", Always => Pauses;
     "M3 M4", Always => Warns("turns a spindle or a laser on");
     "M23 M26 M28 M29 M30 M32 M472 M559 M560", Always => Harms(FILES);
     "M24", Always => Warns("starts a file on the printer, or this one again");
@@ -215,6 +217,7 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M350", Always
         => Spoils("changes the motors' microsteps, and with it lengths in some \
                   firmware");
+    "M400", Is(b'U', 1.0) => Pauses;
     "M410", Always => Harms("stops all motors at once");
     "M420 M561", Always => Disturbs(LEVEL);
     "M421", Always => Warns("changes the measured bed");
@@ -280,7 +283,10 @@ const HARMLESS_NAMES: &str = "
 
 /// The effects of the other commands that are names.
 const NAMES: &[(&str, Effect)] = rows! {
-    "@PAUSE PAUSE" => Warns(WAITS);
+    "@PAUSE"
+        => Warns("stops the print until somebody is there, if OctoPrint sends the \
+                  file: printers do not know it");
+    "PAUSE" => Pauses;
     "ANGLE_CALIBRATE AXIS_TWIST_COMPENSATION_CALIBRATE BED_SCREWS_ADJUST \
      ENDSTOP_PHASE_CALIBRATE MANUAL_PROBE PROBE_CALIBRATE \
      PROBE_EDDY_CURRENT_CALIBRATE PROBE_EDDY_CURRENT_TAP_CALIBRATE \
@@ -363,6 +369,38 @@ pub(super) fn of_name(named: &Named) -> Option<Effect> {
     let row = NAMES.iter().find(|(names, _)| among(names));
     let effect = row.map(|(_, effect)| *effect);
     effect.or_else(|| among(HARMLESS_NAMES).then_some(Effect::None))
+}
+
+/// What a command does that is a pause of some firmware's, if this firmware reads it,
+/// and whether it ends the print.
+pub(super) fn pause(
+    word: &str,
+    of: &isoslice_settings::Pauses,
+) -> (String, bool) {
+    if of.ends.contains(&word) {
+        let firmware = of.firmware;
+        let why = format!("ends the print with {firmware}; {}", of.advice);
+        return (why, true);
+    }
+    let known = of.known.iter().find(|(known, _)| *known == word);
+    let why = match known {
+        Some((_, needs)) => {
+            format!("stops the print until somebody is there{needs}")
+        }
+        None => {
+            let unless = of
+                .defined_in
+                .map(|place| format!(" unless {place} defines it"));
+            format!(
+                "does not stop the print{}: {} does not know it as a pause, and \
+                 prints on; {}",
+                unless.unwrap_or_default(),
+                of.firmware,
+                of.advice
+            )
+        }
+    };
+    (why, false)
 }
 
 /// What an offset of Klipper's does, which the reader adds to all places.

@@ -330,10 +330,7 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
         "is a drawing" => {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let kind = extension.unwrap_or_default();
-            format!(
-                "raise it in its folder, as in -e 'max({kind}({name:?}), \
-                 abs(z - 1) - 1)'"
-            )
+            format!("write -e '{kind}({name:?})' --height 2, in its folder")
         }
         _ => "write the part as one, see isoslice new".to_owned(),
     };

@@ -43,6 +43,8 @@ pub struct Firmware {
     /// The line that selects the extruder, for firmware that starts with none
     /// selected: temperatures are for the selected one.
     pub select_tool: Option<&'static str>,
+    /// What stops a print until somebody is there.
+    pub pauses: Pauses,
     /// Cura's name for the firmware. Cura takes a file with an unknown name for
     /// one for Marlin.
     pub cura_name: &'static str,
@@ -69,6 +71,23 @@ pub struct Refusals {
     pub feed: Mm,
 }
 
+/// What stops a print in the middle of a file until somebody is there. Commands that
+/// the firmware does not know stop nothing: it says so at most, and prints on.
+#[derive(Clone, Copy, Debug)]
+pub struct Pauses {
+    /// The firmware's name, as people know it.
+    pub firmware: &'static str,
+    /// The commands that pause, each with what it needs: the end of a sentence.
+    pub known: &'static [(&'static str, &'static str)],
+    /// Commands that end the print instead, though they pause elsewhere.
+    pub ends: &'static [&'static str],
+    /// Where a user may define commands that the firmware does not know, if it has
+    /// such a place.
+    pub defined_in: Option<&'static str>,
+    /// What to write for a pause.
+    pub advice: &'static str,
+}
+
 /// Firmware that does nothing of its own. Each of the others says in what it differs.
 const PLAIN: Firmware = Firmware {
     moves_per_second: 200.0,
@@ -83,6 +102,13 @@ const PLAIN: Firmware = Firmware {
     outlines_parts: false,
     asks_printer: false,
     select_tool: None,
+    pauses: Pauses {
+        firmware: "the firmware",
+        known: &[("M0", "")],
+        ends: &[],
+        defined_in: None,
+        advice: "write M0",
+    },
     cura_name: "Marlin",
 };
 
@@ -93,12 +119,32 @@ const MARLIN: Firmware = Firmware {
     moves_per_second: 200.0,
     shows_progress: true,
     forgets_place: true,
+    // What each needs stands round its line in Marlin/src/gcode/gcode.cpp. M226 waits
+    // for a pin.
+    pauses: Pauses {
+        firmware: "Marlin",
+        known: &[
+            ("M0", ""),
+            ("M1", ""),
+            ("M25", ""),
+            ("M125", ", if Marlin was built with PARK_HEAD_ON_PAUSE"),
+            (
+                "M600",
+                ", if Marlin was built with ADVANCED_PAUSE_FEATURE, an option that \
+                 is off by default: without it Marlin prints on, and M0 is the pause",
+            ),
+        ],
+        advice: "write M0",
+        ..PLAIN.pauses
+    },
     ..PLAIN
 };
 
 /// Klipper plans on the host. Its limits are the defaults of
 /// `max_extrude_cross_section` and `max_extrude_only_distance`
-/// (docs/Config_Reference.md).
+/// (docs/Config_Reference.md). Its pauses are those of klippy/extras/pause_resume.py
+/// and virtual_sdcard.py; `cmd_default` of klippy/gcode.py tells of other commands, and
+/// goes on.
 const KLIPPER: Firmware = Firmware {
     moves_per_second: 1000.0,
     retraction: Retraction::Klipper,
@@ -109,29 +155,61 @@ const KLIPPER: Firmware = Firmware {
     one_acceleration: true,
     print_stats: true,
     outlines_parts: true,
+    pauses: Pauses {
+        firmware: "Klipper",
+        known: &[
+            ("M25", ", if the file is printed from [virtual_sdcard]"),
+            ("PAUSE", ", if printer.cfg has [pause_resume]"),
+        ],
+        defined_in: Some("printer.cfg"),
+        advice: "write PAUSE, which needs [pause_resume] in printer.cfg",
+        ..PLAIN.pauses
+    },
     ..PLAIN
 };
 
-/// RepRapFirmware 3 reads the file itself.
+/// RepRapFirmware 3 reads the file itself. Its pauses are in src/GCodes/GCodes2.cpp,
+/// where M0 to M2 in a file end its print.
 const RRF: Firmware = Firmware {
     moves_per_second: 500.0,
     select_tool: Some("T0"),
+    pauses: Pauses {
+        firmware: "RepRapFirmware",
+        known: &[("M25", ""), ("M226", ""), ("M600", ""), ("M601", "")],
+        ends: &["M0", "M1"],
+        defined_in: Some("a macro of that name"),
+        advice: "write M226, or M600 to change the filament",
+    },
     cura_name: "RepRap",
     ..PLAIN
 };
 
 /// Prusa's 32-bit boards read the file themselves. Those from the MINI and the
-/// MK3.5 on read binary G-code.
+/// MK3.5 on read binary G-code. M226 waits for a pin.
 const PRUSA: Firmware = Firmware {
     moves_per_second: 400.0,
     reads_binary: true,
     shows_progress: true,
     forgets_place: true,
     asks_printer: true,
+    pauses: Pauses {
+        firmware: "Prusa's firmware",
+        known: &[
+            ("M0", ""),
+            ("M1", ""),
+            ("M25", ""),
+            ("M600", ""),
+            ("M601", ""),
+        ],
+        advice: "write M601, or M600 to change the filament",
+        ..PLAIN.pauses
+    },
     ..PLAIN
 };
 
-/// Bambu Lab's printers read the file themselves.
+/// Bambu Lab's printers read the file themselves. What their firmware knows is not
+/// published; the pause is the one that Bambu Studio's profiles have for all of them
+/// (`machine_pause_gcode`).
 const BAMBU: Firmware = Firmware {
     moves_per_second: 500.0,
     retraction: Retraction::None,
@@ -139,6 +217,12 @@ const BAMBU: Firmware = Firmware {
     one_acceleration: true,
     shows_progress: true,
     forgets_place: true,
+    pauses: Pauses {
+        firmware: "Bambu Lab's firmware",
+        known: &[("M400 U1", "")],
+        advice: "write M400 U1",
+        ..PLAIN.pauses
+    },
     ..PLAIN
 };
 

@@ -59,6 +59,12 @@ const NAMES: &[(&str, &str)] = pairs! {
     "seam_position" => "seam";
     "gcode_flavor" => "gcode.flavour";
     "fan" => "cooling.fan_speed";
+    "pause", "pauses", "pause_at_layer", "pause_layer", "pause_at_height",
+        "pause_height", "pause_print", "pause_gcode", "pause_print_gcode",
+        "machine_pause_gcode", "color_change", "colour_change",
+        "color_change_gcode", "color_change_at_layer", "filament_change",
+        "filament_change_at_layer" => PAUSE;
+    "threshold_angle" => "support.angle";
     "acceleration"
         => "acceleration.outer_wall, or another one of the group acceleration";
     "line_width", "extrusion_width"
@@ -70,6 +76,9 @@ const NAMES: &[(&str, &str)] = pairs! {
 
 const SUPPORTS: &str = "supports = \"auto\"";
 const ADAPTIVE: &str = "layer_heights = \"adaptive\"";
+/// docs/gcode.md says which line pauses which firmware.
+const PAUSE: &str = "gcode.layer, with the firmware's pause in one layer, such as \
+                     {% if layer == 25 %}M0{% endif %}";
 const ADHESION: &str = "brim.place = \"outer\", skirt.loops = 2 or \
                         raft.layers = 3";
 
@@ -237,6 +246,8 @@ mod tests {
             ("brim=5", "brim.place = \"outer\""),
             ("support=true", "did you mean supports?"),
             ("gcode.flavour=duet", "\"rrf\""),
+            ("color_change=3", "gcode.layer, with the firmware's pause"),
+            ("pause_at_layer=3", "{% if layer == 25 %}M0{% endif %}"),
         ] {
             let told = told(assignment);
             assert!(told.contains(wanted), "{assignment}: {told}");

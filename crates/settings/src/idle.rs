@@ -102,6 +102,8 @@ reasons! {
     // Skin.
     no_tops if s.ironing.is_on() && s.top_layers() == 0 =>
         " has no effect without solid tops; set top_layers to more than 0";
+    not_ironed if !s.ironing.is_on() =>
+        " has no effect, since ironing = false irons nothing; set it to true";
     swept_above_only if unordered_below(s) =>
         " = {value} has no effect on skin that does not face upwards, whose lines \
          are never swept; write lines there";
@@ -144,6 +146,11 @@ reasons! {
         " has no effect: it is for patterns, and infill is an expression of its \
          own; turn x and y in it, or set infill to a pattern";
 
+    // Fuzzy skin.
+    smooth if s.fuzzy.thickness.is(0.0) =>
+        " has no effect, since fuzzy.thickness = 0 leaves walls smooth; set it to \
+         0.3, say";
+
     // Supports, rafts, and what stands beside a part.
     no_dense_layers
         if s.supports == Supports::Off || s.support.interface_layers == 0 =>
@@ -169,6 +176,8 @@ reasons! {
         " = {value} mm has no effect, since it is less than the first layer's \
          height of {} mm: no layer has it; set it to that or more, or to \
          \"full\"", round(s.bed_layer_height());
+    no_skirt if s.skirt.loops == 0 && s.draft_shield == DraftShield::Off =>
+        " has no effect, since skirt.loops = 0 prints no skirt; set it to 1";
     shielded if s.draft_shield != DraftShield::Off =>
         " has no effect, since the draft shield takes the skirt's place; set \
          draft_shield to \"off\"";

@@ -83,7 +83,7 @@ pub use value::Range;
 
 pub use by_nozzle::ByNozzle;
 pub use derived::{FullAngle, THICKNESS_SLACK};
-pub use firmware::Refusals;
+pub use firmware::{Pauses, Refusals};
 pub use infill::Infill;
 pub use layer_heights::LayerHeights;
 pub use line_density::LineDensity;

@@ -194,7 +194,7 @@ table::settings! {
             idle no_tops | above_flat_layers;
         /// Distance between the lines of ironing; auto is 25% of the nozzle's
         /// diameter.
-        ironing_spacing: ByNozzle = ByNozzle::Auto, in 0.02..=2.0;
+        ironing_spacing: ByNozzle = ByNozzle::Auto, in 0.02..=2.0, idle not_ironed;
         /// How much walls, skin and ironing that lie open follow the surface
         /// above them: 0 leaves the layers' steps, with 100 the nozzle runs on
         /// the surface itself.
@@ -295,9 +295,9 @@ table::settings! {
         thickness: Varying<Mm> = Varying::Constant(0.0), in 0.0..=5.0,
             idle above_flat_layers;
         /// Size of the bumps.
-        grain: Mm = 0.8, in 0.1..=100.0;
+        grain: Mm = 0.8, in 0.1..=100.0, idle smooth;
         /// Whether the walls of holes are fuzzy, too.
-        holes: bool = false;
+        holes: bool = false, idle smooth;
     }
     /// What holds a part while it is printed.
     support: Support {
@@ -313,19 +313,19 @@ table::settings! {
         /// What supports look like below their dense tops.
         style: SupportStyle = SupportStyle::Auto, idle no_supports;
         /// Distance between supports and the part beside them.
-        xy_gap: Mm = 0.35, in 0.0..=10.0;
+        xy_gap: Mm = 0.35, in 0.0..=10.0, idle no_supports;
         /// Gap between a support and the underside above it, whatever the
         /// layer height: supports have heights of their own.
-        z_gap: Mm = 0.2, in 0.0..=10.0;
+        z_gap: Mm = 0.2, in 0.0..=10.0, idle no_supports;
         /// Gap between the part and a support that stands on it.
-        z_gap_bottom: Mm = 0.2, in 0.0..=10.0;
+        z_gap_bottom: Mm = 0.2, in 0.0..=10.0, idle no_supports;
         /// How far branches of supports may lean from the vertical; 0 for
         /// straight columns.
-        branch_angle: Degrees = 45.0, in 0.0..=70.0;
+        branch_angle: Degrees = 45.0, in 0.0..=70.0, idle no_supports;
         /// Share of a support's inside that is printed.
-        density: Percent = 12.0, in 1.0..=100.0;
+        density: Percent = 12.0, in 1.0..=100.0, idle nothing_below;
         /// Number of dense layers at the top of a support.
-        interface_layers: u32 = 2, in 0..=1000;
+        interface_layers: u32 = 2, in 0..=1000, idle no_supports;
         /// Share of the dense layers at the top of a support that is printed, or
         /// the distance between their lines, from middle to middle, such as
         /// "0.8 mm".
@@ -405,11 +405,11 @@ table::settings! {
             in 0.1..=2000.0;
         /// Speed of ironing.
         ironing: Varying<MmPerSec> = Varying::Constant(20.0),
-            in 0.1..=2000.0;
+            in 0.1..=2000.0, idle not_ironed;
         /// Speed of supports.
-        support: MmPerSec = 80.0, in 0.1..=2000.0;
+        support: MmPerSec = 80.0, in 0.1..=2000.0, idle nothing_below;
         /// Speed of the dense layers at the top of supports.
-        support_interface: MmPerSec = 60.0, in 0.1..=2000.0;
+        support_interface: MmPerSec = 60.0, in 0.1..=2000.0, idle nothing_below;
         /// Speed of the skirt and the brim.
         skirt: MmPerSec = 30.0, in 0.1..=2000.0;
         /// Greatest printing speed on the first layer.
@@ -505,9 +505,9 @@ table::settings! {
         loops: u32 = 1, in 0..=1000, idle shielded;
         /// Gap between the part, or its brim, and the innermost loop or the
         /// draft shield; auto is 6 mm, and 10 mm for a draft shield.
-        distance: Option<Mm> = None, in 0.0..=1000.0;
+        distance: Option<Mm> = None, in 0.0..=1000.0, idle no_skirt;
         /// Number of layers, from the bed, that have a skirt.
-        layers: u32 = 1, in 0..=50_000, idle shielded;
+        layers: u32 = 1, in 0..=50_000, idle shielded | no_skirt;
     }
     /// Several parts on one plate.
     plate: PlateSettings {

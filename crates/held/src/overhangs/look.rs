@@ -196,38 +196,80 @@ impl LayerOverhang {
     /// Takes in what the judge says of the places about which it was asked, and of
     /// those beside them that belong to the same ledge.
     fn hear(&mut self) {
-        let bounds: Vec<Rect> =
-            self.ledges.iter().map(|l| l.area.bounds()).collect();
+        let bounds = self.bounds();
         for i in 0..self.rim.len() {
             let place = self.rim[i];
             let asked = place.said == Said::Asked;
-            let hangs = place.beyond > self.limits.held;
-            if !asked && !hangs {
+            if !asked && !self.hangs(&place) {
                 continue;
             }
-            // The ledge's border runs along the rim here, so a point a little
-            // inside the rim tells which ledge it is.
-            let next = match self.rim.get(i + 1) {
-                Some(next) if next.ring == place.ring => next.at,
-                // The last place of a ring is followed by the ring's first.
-                _ => {
-                    let from = place.ring.0;
-                    let first = self.rim.partition_point(|p| p.on < from);
-                    self.rim[first].at
-                }
-            };
-            let along = (next - place.at).normalize_or_zero();
-            let p = place.at.midpoint(next) + 0.02 * along.perp();
-            let mut all = self.ledges.iter().zip(&bounds);
-            let ledge = all.find(|(l, b)| b.contains(p) && l.area.contains(p));
-            self.rim[i].said = match ledge {
-                Some((ledge, _)) if ledge.counts => {
-                    Said::Ledge(ledge.piece.area)
+            self.rim[i].said = match self.ledge_at(i, &bounds) {
+                Some(k) if self.ledges[k].counts => {
+                    Said::Ledge(self.ledges[k].piece.area)
                 }
                 None if asked => Said::Held,
                 _ => Said::Nothing,
             };
         }
+    }
+
+    /// Leaves out what hangs without a wall, and the rims of holes: all that is printed
+    /// is a wall round the layer.
+    pub fn of_a_wall_around(mut self) -> LayerOverhang {
+        for ring in self.rim.chunk_by_mut(|a, b| a.ring == b.ring) {
+            let points: Vec<DVec2> = ring.iter().map(|p| p.at).collect();
+            if signed_area(&points) > 0.0 {
+                continue;
+            }
+            for place in ring {
+                place.beyond = f64::NAN;
+                place.strip = 0.0;
+                place.said = Said::Nothing;
+            }
+        }
+        self.leans = self.rim.iter().any(|place| self.hangs(place));
+        let bounds = self.bounds();
+        let mut walled = vec![false; self.ledges.len()];
+        for i in 0..self.rim.len() {
+            if self.hangs(&self.rim[i])
+                && let Some(k) = self.ledge_at(i, &bounds)
+            {
+                walled[k] = true;
+            }
+        }
+        for (ledge, walled) in self.ledges.iter_mut().zip(walled) {
+            ledge.counts &= walled;
+        }
+        self
+    }
+
+    /// True if a place on the rim sticks out by more than the layer below holds.
+    fn hangs(&self, place: &RimPlace) -> bool {
+        place.beyond > self.limits.held
+    }
+
+    fn bounds(&self) -> Vec<Rect> {
+        self.ledges.iter().map(|l| l.area.bounds()).collect()
+    }
+
+    /// The number of the ledge along whose border the rim runs at its `i`th place, if
+    /// there is one. `bounds` are those of the ledges.
+    fn ledge_at(&self, i: usize, bounds: &[Rect]) -> Option<usize> {
+        let place = self.rim[i];
+        // A point a little inside the rim tells which ledge it is.
+        let next = match self.rim.get(i + 1) {
+            Some(next) if next.ring == place.ring => next.at,
+            // The last place of a ring is followed by the ring's first.
+            _ => {
+                let from = place.ring.0;
+                let first = self.rim.partition_point(|p| p.on < from);
+                self.rim[first].at
+            }
+        };
+        let along = (next - place.at).normalize_or_zero();
+        let p = place.at.midpoint(next) + 0.02 * along.perp();
+        let mut all = self.ledges.iter().zip(bounds);
+        all.position(|(l, b)| b.contains(p) && l.area.contains(p))
     }
 }
 
@@ -432,8 +474,41 @@ fn under_lids(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::overhangs::Tracker;
+    use isoslice_planar::clip::difference;
     use isoslice_planar::shapes::rect;
     use isoslice_settings::testing::usual_plan;
+
+    #[test]
+    fn a_wall_around_has_no_ceilings() {
+        let plan = usual_plan(OverhangPlan::of);
+        let sums = |below: Area, here: Area| {
+            let [here, below] = [here, below].map(Solid::new);
+            let all = LayerOverhang::new([&here, &below], 5, [0.2; 2], &plan);
+            [all.clone(), all.of_a_wall_around()].map(|look| {
+                let mut tracker = Tracker::default();
+                tracker.layer(&look, here.grid(), true, |p| p.extend(1.0));
+                tracker.end(&plan);
+                let sums = tracker.finish();
+                (sums.bridges.count, sums.leans.area.round())
+            })
+        };
+        // The ceiling of a pocket, and of one that only gets narrower.
+        let block = rect(0.0, 0.0, 60.0, 60.0);
+        let pocket = difference(&block, &rect(5.0, 5.0, 55.0, 55.0));
+        let narrow = difference(&block, &rect(15.0, 15.0, 45.0, 45.0));
+        let [all, wall] = sums(pocket.clone(), block.clone());
+        assert!(all.0 > 0 && wall == (0, 0.0), "{all:?} {wall:?}");
+        let [all, wall] = sums(pocket, narrow);
+        assert!(
+            all.0 + all.1 as usize > 0 && wall == (0, 0.0),
+            "{all:?} {wall:?}"
+        );
+        // A wall leads round what sticks out.
+        let wider = rect(-10.0, 0.0, 60.0, 60.0);
+        let [all, wall] = sums(block, wider);
+        assert!(all.1 > 0.0 && all == wall, "{all:?} {wall:?}");
+    }
 
     #[test]
     fn a_bridge_is_held_wherever_its_ring_begins() {

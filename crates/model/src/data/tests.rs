@@ -116,7 +116,7 @@ fn a_drawing_is_no_model_but_becomes_one() {
         fs::write(&path, "").unwrap();
         let error = load(&Source::File(path), &[]).err().unwrap().to_string();
         let kind = &name[name.len() - 3..].to_lowercase();
-        let call = format!("-e 'max({kind}(\"{name}\"), abs(z - 1) - 1)'");
+        let call = format!("-e '{kind}(\"{name}\")' --height 2");
         assert!(error.contains("is a drawing"), "{error}");
         assert!(error.contains(&call), "{error}");
     }

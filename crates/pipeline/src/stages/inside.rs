@@ -121,7 +121,13 @@ impl Stages<'_> {
         let heights = [here, below].map(|layer| layer.span.height());
         let outlines = [here, below].map(|layer| layer.outline);
         let look = || {
-            LayerOverhang::new(outlines, number, heights, &self.plans.overhangs)
+            let plan = &self.plans.overhangs;
+            let look = LayerOverhang::new(outlines, number, heights, plan);
+            // Turns of a climbing wall have neither holes nor ceilings.
+            match self.spiral_at(number) {
+                Some(_) => look.of_a_wall_around(),
+                None => look,
+            }
         };
         Some(self.timings.time(Stage::Hang, look))
     }

@@ -10,7 +10,7 @@ mod speeds;
 
 pub(super) use speeds::{flow_note, speed_note};
 
-use super::error::GivenPlaces;
+use super::error::{GivenIn, GivenPlaces};
 use super::firmware::Retraction;
 use super::idle::Reason;
 use super::value::round;
@@ -61,7 +61,7 @@ pub(super) fn conflicts(
     let given =
         |key: &str| places.get(key).is_some_and(|place| place.is_given());
     too_fast(s, &given, &mut warnings);
-    without_effect(s, &given, &mut warnings);
+    without_effect(s, places, &mut warnings);
     Ok(warnings)
 }
 
@@ -359,18 +359,24 @@ fn beside_a_vase(s: &Settings) -> Result<(), Conflict> {
     Ok(())
 }
 
-/// Warns of settings that were given and have no effect.
+/// Warns of settings that were given and have no effect. A file that has all settings,
+/// as `isoslice settings` writes it, asks for nothing where it has the default.
 fn without_effect(
     s: &Settings,
-    given: &dyn Fn(&str) -> bool,
+    places: &GivenPlaces,
     warnings: &mut Vec<String>,
 ) {
+    let asked = |key: &&Key| match places.get(key.name) {
+        Some(GivenIn::Set) => true,
+        Some(place) => place.is_given() && key.get(s) != key.default(),
+        None => false,
+    };
     let told = |key: &'static Key| {
         let value = key.get(s);
         let rest = move |reason: &Reason| reason(s, value.trim_matches('"'));
         let rest = key.idle.iter().filter_map(rest);
         rest.map(|rest| format!("{}{rest}", key.name))
     };
-    let given = keys().iter().filter(|key| given(key.name));
-    warnings.extend(given.flat_map(told));
+    let asked = keys().iter().filter(asked);
+    warnings.extend(asked.flat_map(told));
 }

@@ -209,14 +209,23 @@ pub(crate) fn row_of(slicer: Slicer, key: &str) -> Option<&'static Row> {
 }
 
 /// What a key of any slicer becomes, for people who write it as one of
-/// isoslice's settings: their names, or why there is none.
+/// isoslice's settings: their names, or why there is none. A key may be written as a
+/// setting of a group, such as `support.threshold_angle`.
 pub fn counterpart(key: &str) -> Option<Counterpart> {
-    let row = rows().find(|row| row.keys.contains(&key))?;
-    Some(match &row.rule {
-        Rule::To(setting, _) => Counterpart::Keys(vec![setting]),
-        Rule::Made { settings, .. } => Counterpart::Keys(settings.to_vec()),
-        Rule::Ignored(why) | Rule::Lost(_, why) => Counterpart::None(why),
-    })
+    let joined = key.replace('.', "_");
+    let of_key = |row: &&Row| row.keys.contains(&joined.as_str());
+    let found: Vec<Counterpart> = rows()
+        .filter(of_key)
+        .map(|row| match &row.rule {
+            Rule::To(setting, _) => Counterpart::Keys(vec![setting]),
+            Rule::Made { settings, .. } => Counterpart::Keys(settings.to_vec()),
+            Rule::Ignored(why) | Rule::Lost(_, why) => Counterpart::None(why),
+        })
+        .collect();
+    // Slicers call different things alike. What there is helps more than what there is
+    // not.
+    let is_none = |found: &Counterpart| matches!(found, Counterpart::None(_));
+    found.into_iter().min_by_key(is_none)
 }
 
 /// What stands for another slicer's key.
