@@ -59,7 +59,8 @@ impl Patch {
     /// beside the ring where it is wider than it was laid.
     pub fn inside(&self, distance: Mm, lay: Lay, tolerance: Mm) -> Area {
         let inside = shrink(&self.whole, distance, tolerance);
-        shared::without(inside, &self.rings, (&lay, &lay), 0.1 * tolerance)
+        // Lines are laid in small places as well.
+        shared::beside(inside, &self.rings, &lay, 0.0, |_| true)
     }
 }
 

@@ -34,6 +34,20 @@ pub(super) fn without(
     (wall, skin): (&Lay, &Lay),
     slack: Mm,
 ) -> Area {
+    beside(area, walls, wall, slack, |part| {
+        part.content() > SMALL || is_wider(part, skin.least, slack)
+    })
+}
+
+/// What is left of an area beside a wall, some of whose lines are wider than usual. Of an
+/// island that they touch, the parts that `prints` accepts are kept.
+pub(super) fn beside(
+    area: Area,
+    walls: &[Stroke],
+    wall: &Lay,
+    slack: Mm,
+    prints: impl Fn(&Area) -> bool,
+) -> Area {
     if area.is_empty() {
         return area;
     }
@@ -43,9 +57,6 @@ pub(super) fn without(
     if taken.is_empty() {
         return area;
     }
-    let prints = |part: &Area| {
-        part.content() > SMALL || is_wider(part, skin.least, slack)
-    };
     let boxes = taken.iter().map(Rect::around);
     let tree = BoxTree::new(boxes.enumerate());
     let mut left = Area::EMPTY;
@@ -58,7 +69,7 @@ pub(super) fn without(
         }
         let parts = difference(&island, &beside).islands().into_iter();
         left.rings
-            .extend(parts.filter(prints).flat_map(|part| part.rings));
+            .extend(parts.filter(&prints).flat_map(|part| part.rings));
     }
     left
 }
