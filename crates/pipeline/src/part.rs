@@ -258,7 +258,10 @@ impl<'a> PartPaths<'a> {
             filled,
             support,
             ground: below.and_then(|below| layer.ground(below)),
-            supported: self.planned.stages.is_supported(layer.span.index),
+            supported: self
+                .planned
+                .stages
+                .is_supported(&layer.face(), below.map(Layer::face).as_ref()),
             from: course.begin(layer),
             seams: course.seams(&layer.span),
             begun: Begun::default(),

@@ -5,8 +5,10 @@
 
 use super::{BACK, Site, along};
 use crate::view::LayerFace;
+use crate::walls::hanging;
 use glam::DVec2;
 use isoslice_base::units::Mm;
+use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::{EdgeGrid, nearest_on};
 use isoslice_planar::path_length;
 
@@ -48,6 +50,12 @@ impl<'a> Ground<'a> {
     /// True if the layer below has the part at a point.
     pub fn holds(&self, p: DVec2) -> bool {
         self.below.outline.grid().contains(p)
+    }
+
+    /// True if the layer below holds no place of a stroke.
+    pub fn hangs(&self, stroke: &Stroke) -> bool {
+        let below = self.below.outline.grid();
+        hanging(stroke, below).all(|(_, far)| far.is_some())
     }
 
     /// How far the outline beside a point reaches beyond the layer below, as a

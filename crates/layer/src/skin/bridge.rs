@@ -9,7 +9,7 @@
 //! ```
 //!
 //! In: an area to be filled, and the layer below. Out: the parts of the area
-//! that are bridges, each with the direction of its lines. An area that hangs
+//! that are bridges, each with the way its lines run. An area that hangs
 //! in the air without two sides to hang from (a balcony) is no bridge: it is left,
 //! and printed as ordinary skin. Where no supports are to hold what hangs:
 //! - a narrow ring between a rim that is held and a hole, as in the ceiling of a
@@ -23,7 +23,7 @@
 //! short, so the shortest lines must not decide: a direction is judged by the
 //! span that three quarters of the lines' length stay below.
 
-use super::direction::{across, best, common, fan, rows};
+use super::direction::{Way, across, best, common, fan, rows};
 use super::gaps::{Gap, Span, spans};
 use super::sweep;
 use crate::cover::neighbour::Neighbour;
@@ -48,15 +48,6 @@ pub(super) struct Bridge {
     pub way: Way,
 }
 
-/// How lines run over a gap.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Way {
-    /// Across it, in a direction.
-    Across(Degrees),
-    /// Along its border.
-    Around,
-}
-
 /// The lines of bridges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hanging {
@@ -65,7 +56,8 @@ pub(super) struct Hanging {
     /// How far lines reach onto what holds them.
     pub anchor: Mm,
     /// Width up to which a ring-shaped gap is laid in rings, a spacing of the lines
-    /// apart; none if what is held badly is left to supports.
+    /// apart; none if what is held badly is left to supports, or beads are too thin to
+    /// touch.
     pub rings: Option<(Mm, Mm)>,
 }
 
@@ -80,12 +72,12 @@ const ROWS: f64 = 24.0;
 pub const ANCHOR: f64 = 2.0;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
-/// The same where what hangs has no supports. A third of the lines over a channel
-/// reach across beside a hole that takes two thirds of its length.
+/// The same where what hangs has no supports. Over a channel, so much is left beside holes
+/// that take four fifths of it; with less, rings around the holes are held better.
 const PARTLY_HELD: f64 = 0.2;
 /// Greatest share of a border that hangs where the rest is held, or is held where the
 /// rest hangs: so much has a channel with open ends that is four times as long as wide.
-const ELSE: f64 = 0.2;
+const BUT_FOR: f64 = 0.2;
 
 /// The bridges of an area over a layer, and what they leave of the area.
 pub(super) fn bridges(
@@ -192,7 +184,7 @@ fn outer(area: &Area) -> Option<&Ring> {
 
 /// The best direction of lines across a gap, if they can hang there.
 pub fn direction(gap: &Area, below: &EdgeGrid, width: Mm) -> Option<Degrees> {
-    best_direction(&directions(gap, below, width), HELD).map(|best| best.1)
+    best_direction(&directions(gap, below, width)).map(|best| best.1)
 }
 
 /// How lines run best over a gap, if they can hang there, after the span that is
@@ -203,18 +195,20 @@ fn best_way(
     hanging: Hanging,
 ) -> Option<(Mm, Way)> {
     let directions = directions(gap, below, hanging.width);
-    let across = |held| {
-        let (span, angle) = best_direction(&directions, held)?;
-        Some((span, Way::Across(angle)))
-    };
-    across(HELD).or_else(|| {
+    let across = best_direction(&directions)
+        .map(|(span, angle)| (span, Way::Across(angle)));
+    across.or_else(|| {
         let (narrow, _) = hanging.rings?;
         let around = is_around_hole(gap, below, hanging.width)
             .then_some((narrow, Way::Around));
         if around.is_some() && !is_wider(gap, narrow, TOLERANCE) {
             return around;
         }
-        across(PARTLY_HELD).or(around)
+        // Most lines are not held: their spans tell nothing.
+        let partly = directions.iter().filter(|d| d.1 >= PARTLY_HELD);
+        best(partly.map(|&(_, held, angle)| (1.0 - held, angle)))
+            .map(|(open, angle)| (open, Way::Across(angle)))
+            .or(around)
     })
 }
 
@@ -236,7 +230,8 @@ fn is_around_hole(gap: &Area, below: &EdgeGrid, width: Mm) -> bool {
     let shares: Vec<f64> = gap.rings.iter().map(held).collect();
     let count =
         |is: &dyn Fn(f64) -> bool| shares.iter().filter(|s| is(**s)).count();
-    let (held, free) = (count(&|s| s >= 1.0 - ELSE), count(&|s| s <= ELSE));
+    let (held, free) =
+        (count(&|s| s >= 1.0 - BUT_FOR), count(&|s| s <= BUT_FOR));
     held > 0 && free > 0 && held + free == shares.len()
 }
 
@@ -271,13 +266,9 @@ fn directions(
         .collect()
 }
 
-/// The best direction in which such a share of the lines' length is held, after their
-/// common span.
-fn best_direction(
-    directions: &[(Mm, f64, Degrees)],
-    least: f64,
-) -> Option<(Mm, Degrees)> {
-    let held = directions.iter().filter(|(_, held, _)| *held >= least);
+/// The best direction in which lines can hang, after their common span.
+fn best_direction(directions: &[(Mm, f64, Degrees)]) -> Option<(Mm, Degrees)> {
+    let held = directions.iter().filter(|(_, held, _)| *held >= HELD);
     best(held.map(|&(span, _, angle)| (span, angle)))
 }
 
@@ -330,7 +321,7 @@ fn holds(below: &EdgeGrid, p: DVec2, out: DVec2, width: Mm) -> bool {
 }
 
 /// For each line of a bridge those that it waits for, if it has an end that nothing
-/// holds: it is laid beside one that is there. Empty if all lines are held.
+/// holds: it is laid beside one that is there. Empty if most lines are held.
 pub(super) fn held_first(
     lines: &[(i64, Stroke)],
     angle: Degrees,
@@ -347,7 +338,12 @@ pub(super) fn held_first(
         })
     };
     let held: Vec<bool> = lines.iter().map(|(_, l)| is_held(l)).collect();
-    if held.iter().all(|held| *held) {
+    let (mut share, mut length) = (0.0, 0.0);
+    for ((_, line), held) in lines.iter().zip(&held) {
+        length += line.length();
+        share += if *held { line.length() } else { 0.0 };
+    }
+    if share >= HELD * length {
         return Vec::new();
     }
     sweep::outwards(&sweep::after(lines, angle, width), &held)

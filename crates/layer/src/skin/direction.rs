@@ -10,6 +10,15 @@ use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::Area;
 use isoslice_planar::hatch::Lines;
 
+/// How lines run over a gap.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Way {
+    /// Across it, in a direction.
+    Across(Degrees),
+    /// Along its border.
+    Around,
+}
+
 /// Step of the fan of angles.
 const FAN: Degrees = 7.5;
 

@@ -4,7 +4,8 @@
 //! infill beside it. Out: its rings, and its fills by role, in print order:
 //! fills that are seen come last.
 
-use super::bridge::{Bridge, Hanging, Way, bridges, held_first};
+use super::bridge::{Bridge, Hanging, bridges, held_first};
+use super::direction::Way;
 use super::plan::{Look, SkinPlan};
 use super::roles::Sides;
 use super::strokes::strokes;
@@ -90,7 +91,7 @@ impl Filler<'_> {
         }
         let ring = self.beside(self.plan.internal.width);
         let mut around = patch(island, ring, TOLERANCE);
-        let inside = around.inside(self.plan.off_ring, ring, TOLERANCE);
+        let inside = around.inside(self.plan.off_ring, TOLERANCE);
         let outside = |s: &Stroke| {
             let middle = s.segments().next().map(|(a, b)| a.midpoint(b));
             !middle.is_some_and(|p| inside.contains(p))
@@ -113,11 +114,11 @@ impl Filler<'_> {
         });
         let mut rings: Vec<Bead> = rings.collect();
         if let Some(below) = self.over_air(sides)
-            && rings.iter().any(hung::is_around_hole)
+            && rings.iter().any(hung::faces_down)
         {
             let below = EdgeGrid::new(&below.near(island), ring.width);
             let role = self.hung;
-            let last = hung::around_holes(&mut rings, &below, role);
+            let last = hung::after_lines(&mut rings, &below, role);
             // Nothing is printed on what is ironed.
             let irons =
                 |f: &Fill| f.lines.iter().any(|l| l.role == Role::Ironing);

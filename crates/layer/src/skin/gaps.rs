@@ -13,7 +13,7 @@
 //! onto. Land narrower than two anchors holds both bridges beside it, so no
 //! line ends over a gap that another bridge crosses.
 
-use super::bridge::Way;
+use super::direction::Way;
 use isoslice_base::units::{Degrees, Mm};
 use isoslice_planar::clip::{difference, unite};
 use isoslice_planar::grid::EdgeGrid;

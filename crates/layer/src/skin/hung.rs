@@ -9,10 +9,10 @@
 //!
 //! In: rings, the layer below, and the role of what hangs: a bridge's, or skin's where
 //! supports may hold it. Out: those that are held, and those that hang, in print order.
-//! Where there are lines inside the rings, only rings around holes wait for them.
+//! Where there are lines inside the rings, rings that nothing holds wait for them.
 
 use super::Fill;
-use glam::DVec2;
+use crate::walls::hanging;
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::{Bead, Role, Stroke};
 use isoslice_planar::grid::EdgeGrid;
@@ -21,10 +21,6 @@ use std::collections::BTreeMap;
 
 /// Share of a ring's length from which on it counts as hanging.
 const MOST: f64 = 0.5;
-/// A place hangs if it lies farther beyond what is below than so many widths: a
-/// quarter of the bead, or less, then lies on that.
-const BEYOND: f64 = 0.25;
-
 /// The rings that lie on the layer below, which `below` holds, and the others, of a
 /// role of their own: those nearest to it first.
 pub(super) fn apart(
@@ -33,14 +29,16 @@ pub(super) fn apart(
     role: Role,
 ) -> (Vec<Bead>, Vec<Fill>) {
     let mut held = Vec::with_capacity(rings.len());
-    // By their distance from what is below, in widths.
+    // By their distance from what is below, in halves of a width: a ring's neighbours
+    // are nearly a width from it.
     let mut hung: BTreeMap<u32, Vec<Bead>> = BTreeMap::new();
+    let widths = rings.iter().map(|bead| bead.stroke.width);
+    let step = 0.5 * widths.fold(0.0, f64::max);
     for bead in rings {
-        let width = bead.stroke.width;
         match distance(&bead.stroke, below) {
             Some(far) if bead.role == Role::BottomSkin => {
                 let bead = Bead { role, ..bead };
-                hung.entry((far / width) as u32).or_default().push(bead);
+                hung.entry((far / step) as u32).or_default().push(bead);
             }
             _ => held.push(bead),
         }
@@ -57,22 +55,26 @@ pub(super) fn fill(lines: Vec<Bead>) -> Fill {
     }
 }
 
-/// True for a ring around a hole that faces downwards.
-pub(super) fn is_around_hole(ring: &Bead) -> bool {
-    matches!(ring.role, Role::BottomSkin | Role::Bridge)
-        && ring.stroke.closed
-        && signed_area(&ring.stroke.points) < 0.0
+/// True for a ring that faces downwards.
+pub(super) fn faces_down(ring: &Bead) -> bool {
+    matches!(ring.role, Role::BottomSkin | Role::Bridge) && ring.stroke.closed
 }
 
-/// Takes out the rings around holes that hang, and gives them a role: they come after
-/// the lines beside them, which hold them.
-pub(super) fn around_holes(
+/// Takes out the rings that nothing below holds, and gives them a role: they come after
+/// the lines beside them, which hold them. Those around holes may be held in part.
+pub(super) fn after_lines(
     rings: &mut Vec<Bead>,
     below: &EdgeGrid,
     role: Role,
 ) -> Option<Fill> {
     let hangs = |ring: &mut Bead| {
-        is_around_hole(ring) && distance(&ring.stroke, below).is_some()
+        let stroke = &ring.stroke;
+        faces_down(ring)
+            && if signed_area(&stroke.points) < 0.0 {
+                distance(stroke, below).is_some()
+            } else {
+                hanging(stroke, below).all(|(_, far)| far.is_some())
+            }
     };
     let hung = rings.extract_if(.., hangs);
     let lines: Vec<Bead> = hung.map(|ring| Bead { role, ..ring }).collect();
@@ -81,24 +83,15 @@ pub(super) fn around_holes(
 
 /// The mean distance of a ring from what is below, if most of the ring hangs.
 fn distance(stroke: &Stroke, below: &EdgeGrid) -> Option<Mm> {
-    let least = BEYOND * stroke.width;
-    let far = |p: DVec2| {
-        let hangs =
-            !below.contains(p) && below.nearest_edge(p, least).is_none();
-        // Beyond a layer without any edge nothing is near.
-        let far = || below.foot(p).map_or(f64::MAX, |(_, q)| p.distance(q));
-        hangs.then(far)
-    };
-    let (mut hanging, mut length, mut sum) = (0.0, 0.0, 0.0);
-    for (a, b) in stroke.segments() {
-        let own = a.distance(b);
+    let (mut hung, mut length, mut sum) = (0.0, 0.0, 0.0);
+    for (own, far) in hanging(stroke, below) {
         length += own;
-        if let Some(far) = far(a.midpoint(b)) {
-            hanging += own;
+        if let Some(far) = far {
+            hung += own;
             sum += far * own;
         }
     }
-    (hanging > MOST * length).then(|| sum / hanging)
+    (hung > MOST * length).then(|| sum / hung)
 }
 
 #[cfg(test)]

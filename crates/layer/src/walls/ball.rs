@@ -25,8 +25,6 @@ pub(super) struct Ball {
 
 /// Distance of the balls along the border, mm: shorter edges get one each.
 pub(super) const BALL_STEP: Mm = 0.2;
-/// Balls whose centres are nearer to each other than this are neighbours, mm.
-pub(super) const CLOSE: Mm = 1.5 * BALL_STEP;
 /// Accuracy along the border with which the end of an axis is found, mm.
 const END: Mm = 0.005;
 /// Accuracy of an axis's end where the area becomes thicker than what matters,
@@ -123,8 +121,6 @@ struct Corner {
     normal: DVec2,
     /// How far the border turns away from the area; 0 where it turns to it.
     turn: f64,
-    /// From the corner to the first ball of the edge.
-    to_place: Mm,
 }
 
 /// A ball and where it touches the other side.
@@ -175,7 +171,6 @@ impl<'a> Border<'a> {
         // The last ball, its edge, and how far along the edge it is.
         let mut before: Option<(usize, Mm, Option<Grown>)> = None;
         let mut last_radius = 0.0;
-        let mut last_length = 0.0;
         let mut very_first_corner = None;
         // The first ball, if there is one at the ring's first point.
         let mut very_first = None;
@@ -203,8 +198,7 @@ impl<'a> Border<'a> {
             }
             let count = (length / BALL_STEP).ceil().clamp(1.0, 1e6);
             let place = |k: usize| (k as f64 + 0.5) / count * length;
-            let rest = std::mem::replace(&mut last_length, length);
-            let here = Corner {
+            let corner = Corner {
                 at: a,
                 number,
                 normal,
@@ -213,15 +207,8 @@ impl<'a> Border<'a> {
                 } else {
                     0.0
                 },
-                to_place: place(0),
             };
-            very_first_corner.get_or_insert(here);
-            if let Some((_, at, Some(g))) = before
-                && let Some(g) = self.at_corner(here, rest - at, g)
-            {
-                balls.push(Some(g.ball));
-                before = Some((number, 0.0, Some(g)));
-            }
+            very_first_corner.get_or_insert(corner);
             let count = count as usize;
             if self.seen.has_all((0..count).map(place), number) {
                 balls.push(None);
@@ -272,7 +259,13 @@ impl<'a> Border<'a> {
                         balls.push(Some(begin.ball));
                         self.mark(begin, g);
                     }
-                    (Some((_, _, Some(f))), Some(g)) => self.mark(f, g),
+                    (Some((edge, _, Some(f))), Some(g)) => {
+                        let between = (edge != number)
+                            .then(|| self.at_corner(corner, f, g))
+                            .flatten();
+                        balls.extend(between.map(|g| Some(g.ball)));
+                        self.mark(between.unwrap_or(f), g);
+                    }
                     _ => {}
                 }
                 if balls.is_empty() {
@@ -282,17 +275,12 @@ impl<'a> Border<'a> {
                 before = Some((number, at, here));
             }
         }
-        if let (Some((_, at, Some(mut last))), Some(first)) =
-            (before, very_first)
+        if let (Some((_, _, Some(last))), Some(first), Some(corner)) =
+            (before, very_first, very_first_corner)
         {
-            let corner = very_first_corner.and_then(|corner| {
-                self.at_corner(corner, last_length - at, last)
-            });
-            if let Some(g) = corner {
-                balls.push(Some(g.ball));
-                last = g;
-            }
-            self.mark(last, first);
+            let between = self.at_corner(corner, last, first);
+            balls.extend(between.map(|g| Some(g.ball)));
+            self.mark(between.unwrap_or(last), first);
         }
         balls
     }
@@ -338,28 +326,23 @@ impl<'a> Border<'a> {
         before
     }
 
-    /// The ball that touches a corner, if the balls beside it would be too far apart:
-    /// around a small hole their centres are much farther apart than the places where
-    /// they touch it. `before` is the ball before it, so far from the corner along the
-    /// border.
+    /// The ball that touches a corner, if the axis would be torn between the balls beside
+    /// it: around a small hole their centres are much farther apart than the places where
+    /// they touch it.
     fn at_corner(
         &mut self,
         corner: Corner,
-        from_before: Mm,
         before: Grown,
+        after: Grown,
     ) -> Option<Grown> {
         let Corner {
             at,
             number,
             normal,
             turn,
-            to_place,
         } = corner;
-        let swing = 0.5 * turn * before.ball.thickness;
-        if !(0.0..FAN).contains(&turn)
-            || turn == 0.0
-            || from_before + swing + to_place < CLOSE
-        {
+        let bends = turn > 0.0 && turn < FAN;
+        if !bends || before.ball.follows(&after.ball, self.grid) {
             return None;
         }
         let normal = DVec2::from_angle(0.5 * turn).rotate(normal);

@@ -54,7 +54,7 @@ use isoslice_planar::{Area, Rect, Solid, path_length, signed_area};
 use line::{Inside, absorb, cut, within};
 use loops::lead_into_tips;
 use medial_axis::{Axes, Axis, axes};
-pub use overhang::Support;
+pub use overhang::{Support, hanging};
 pub use plan::{ThinPlan, WallPlan};
 use pocket::Left;
 pub use reach::Reach;
@@ -578,9 +578,11 @@ fn laid(
             } else {
                 walls
             };
-            if k + 1 == pair.len() {
+            if shares {
                 let lays = (lay, &lays[next]);
                 left = shared::without(left, &walls, lays, accuracy);
+            } else if k + 1 == pair.len() {
+                left = shared::without_slivers(left, &slivers, accuracy);
             }
             lines.push(walls);
             thin.push(beads);

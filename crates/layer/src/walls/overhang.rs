@@ -315,6 +315,31 @@ fn snap(pieces: &mut [BeadPiece], bead: &Bead) {
     }
 }
 
+/// Pieces along a stroke, no longer than it is wide: each piece's length, and how far it
+/// lies beyond what is `below`, if it hangs. A place that lies no farther beyond it than a
+/// quarter of the stroke's width does not hang: a quarter of the bead, or more, lies on
+/// it.
+pub fn hanging<'a>(
+    stroke: &'a Stroke,
+    below: &'a EdgeGrid,
+) -> impl Iterator<Item = (Mm, Option<Mm>)> + 'a {
+    const BEYOND: f64 = 0.25;
+    let width = stroke.width;
+    let far = move |p: DVec2| {
+        let hangs = !below.contains(p)
+            && below.nearest_edge(p, BEYOND * width).is_none();
+        // Beyond a layer without any edge nothing is near.
+        let far = || below.foot(p).map_or(f64::MAX, |(_, q)| p.distance(q));
+        hangs.then(far)
+    };
+    stroke.segments().flat_map(move |(a, b)| {
+        let length = a.distance(b);
+        let count = (length / width).ceil().clamp(1.0, 1e4);
+        let at = move |k: usize| a.lerp(b, (k as f64 + 0.5) / count);
+        (0..count as usize).map(move |k| (length / count, far(at(k))))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,7 +14,9 @@
 
 use super::beading::Beadings;
 use super::line::absorb;
-use super::{Lay, Skeleton, cell, joined, shared, shrink};
+use super::medial_axis::Axis;
+use super::shared::without_slivers;
+use super::{Lay, Skeleton, cell, joined, shrink};
 use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::{Area, Solid};
@@ -28,6 +30,8 @@ pub struct Patch {
     pub thin: Vec<Stroke>,
     /// The ring whole.
     pub whole: Area,
+    /// What is between two sides of the ring, which are wider for it.
+    slivers: Vec<Axis>,
 }
 
 /// Lays the beads around a solid area.
@@ -51,16 +55,20 @@ pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
         plan.extra,
         true,
     );
-    Patch { rings, thin, whole }
+    Patch {
+        rings,
+        thin,
+        whole,
+        slivers,
+    }
 }
 
 impl Patch {
     /// The area that lies more than `distance` inside the ring's centre line, and
     /// beside the ring where it is wider than it was laid.
-    pub fn inside(&self, distance: Mm, lay: Lay, tolerance: Mm) -> Area {
+    pub fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
         let inside = shrink(&self.whole, distance, tolerance);
-        // Lines are laid in small places as well.
-        shared::beside(inside, &self.rings, &lay, 0.0, |_| true)
+        without_slivers(inside, &self.slivers, 0.0)
     }
 }
 
@@ -80,7 +88,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
         let skeleton = Skeleton::new(&solid, beadings.limit(), tolerance);
         let places = skeleton.thin_places(&beadings);
         let mut depth = 0.0;
-        let mut inner = Vec::new();
+        let mut shared = Vec::new();
         for k in 0..2 {
             let rings = skeleton.shrunk(depth + plan.centre, tolerance);
             let beads = places.beads(2 * k + 1, depth);
@@ -94,14 +102,13 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
                 plan.extra,
                 true,
             );
-            strokes.append(&mut inner);
-            inner = rings;
+            strokes.extend(rings);
             strokes.extend(thin);
             depth += plan.inner;
+            shared = slivers;
         }
         let left = skeleton.shrunk(depth, tolerance);
-        let left = shared::without(left, &inner, (&plan, &plan), tolerance);
-        strokes.append(&mut inner);
+        let left = without_slivers(left, &shared, tolerance);
         // What a hole leaves on its own would grow, not shrink.
         if !(0.0..area.content()).contains(&left.content()) || left.is_empty() {
             return strokes;
@@ -165,7 +172,7 @@ mod tests {
             let half = 0.4 + 0.01 * f64::from(k);
             let bar = rect(-9.0, -half, 9.0, half);
             let around = patch(&bar, plan, 0.01);
-            let inside = around.inside(plan.centre, plan, 0.01).content();
+            let inside = around.inside(plan.centre, 0.01).content();
             let beads = around.rings.iter().chain(&around.thin);
             let laid: f64 = beads.map(|l| content_of(l, plan.extra)).sum();
             let cores: f64 =

@@ -3,7 +3,7 @@
 //! In: the balls of a ring of the border, in order. Out: runs of neighbours,
 //! joined where one ends and another begins.
 
-use super::ball::{BALL_STEP, Ball, CLOSE};
+use super::ball::{BALL_STEP, Ball};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::grid::EdgeGrid;
@@ -24,10 +24,7 @@ pub(super) fn split_runs(
     let follows = |i: usize| {
         let (a, b) = (&balls[i % n], &balls[(i + 1) % n]);
         match (a, b) {
-            // Balls that are close together have only turned with the border.
-            (Some(a), Some(b)) => {
-                a.near(b) && (a.close(b) || a.leads_to(b, grid))
-            }
+            (Some(a), Some(b)) => a.follows(b, grid),
             _ => false,
         }
     };
@@ -275,9 +272,15 @@ impl Ball {
             && self.leads_to(other, grid)
     }
 
+    /// True if two balls, one after the other along the border, are on one axis.
+    pub(super) fn follows(&self, other: &Ball, grid: &EdgeGrid) -> bool {
+        // Balls that are close together have only turned with the border.
+        self.near(other) && (self.close(other) || self.leads_to(other, grid))
+    }
+
     fn close(&self, other: &Ball) -> bool {
         let apart = self.centre.distance_squared(other.centre);
-        apart < CLOSE.powi(2)
+        apart < (1.5 * BALL_STEP).powi(2)
     }
 
     /// True if a bead from one to the other stays inside the border.

@@ -34,20 +34,6 @@ pub(super) fn without(
     (wall, skin): (&Lay, &Lay),
     slack: Mm,
 ) -> Area {
-    beside(area, walls, wall, slack, |part| {
-        part.content() > SMALL || is_wider(part, skin.least, slack)
-    })
-}
-
-/// What is left of an area beside a wall, some of whose lines are wider than usual. Of an
-/// island that they touch, the parts that `prints` accepts are kept.
-pub(super) fn beside(
-    area: Area,
-    walls: &[Stroke],
-    wall: &Lay,
-    slack: Mm,
-    prints: impl Fn(&Area) -> bool,
-) -> Area {
     if area.is_empty() {
         return area;
     }
@@ -57,6 +43,43 @@ pub(super) fn beside(
     if taken.is_empty() {
         return area;
     }
+    let prints = |part: &Area| {
+        part.content() > SMALL || is_wider(part, skin.least, slack)
+    };
+    cut_out(&area, &taken, prints)
+}
+
+/// What is left of an area without the slivers that the wall around it has become wider
+/// for. Borders are off by `slack`. The ends of slivers stay: where strips meet, what is
+/// left between them keeps its shape.
+pub(super) fn without_slivers(area: Area, slivers: &[Axis], slack: Mm) -> Area {
+    let band = |sliver: &Axis| {
+        let mut axis = sliver.clone();
+        if axis.closed {
+            axis.points.extend(axis.points.first().copied());
+            axis.thickness.extend(axis.thickness.first().copied());
+            axis.closed = false;
+        } else {
+            for _ in 0..2 {
+                axis.points.reverse();
+                axis.thickness.reverse();
+                let end = axis.thickness.last().copied().unwrap_or(0.0);
+                axis.shorten(2.0 * end.max(0.0));
+            }
+        }
+        let line = axis.stroke(2.0 * slack);
+        (line.points.len() > 1).then(|| taken(&line, 0.0))
+    };
+    let thick = slivers.iter().filter(|axis| axis.thickest() > 0.0);
+    let taken: Vec<Ring> = thick.filter_map(band).collect();
+    if taken.is_empty() {
+        return area;
+    }
+    cut_out(&area, &taken, |_| true)
+}
+
+/// An area without others; of the islands that these meet, the parts that are `kept`.
+fn cut_out(area: &Area, taken: &[Ring], kept: impl Fn(&Area) -> bool) -> Area {
     let boxes = taken.iter().map(Rect::around);
     let tree = BoxTree::new(boxes.enumerate());
     let mut left = Area::EMPTY;
@@ -69,7 +92,7 @@ pub(super) fn beside(
         }
         let parts = difference(&island, &beside).islands().into_iter();
         left.rings
-            .extend(parts.filter(&prints).flat_map(|part| part.rings));
+            .extend(parts.filter(&kept).flat_map(|part| part.rings));
     }
     left
 }

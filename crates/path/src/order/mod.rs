@@ -8,7 +8,7 @@
 //! walls come first, then gap fill and sparse infill, then skin, each on a
 //! short tour (`tour`) that begins where the tour before ends. Walls along a
 //! border that hang all along come last, since the skin beside them holds them, unless
-//! there are supports.
+//! supports hold the layer.
 //!
 //! | file | what it does |
 //! |---|---|
@@ -117,8 +117,8 @@ impl Context<'_> {
     /// ceiling of a wider hole.
     fn hang_all_along(&self, walls: &[Bead]) -> bool {
         let closed = walls.first().is_some_and(|outer| outer.stroke.closed);
-        let mut points = walls.iter().flat_map(|wall| &wall.stroke.points);
-        closed && self.ground.is_some_and(|g| points.all(|p| !g.holds(*p)))
+        let hangs = |g: Ground| walls.iter().all(|w| g.hangs(&w.stroke));
+        closed && self.ground.is_some_and(hangs)
     }
 
     /// True if some of an island's skin lies on the layer below.

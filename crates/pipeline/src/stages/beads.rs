@@ -83,7 +83,7 @@ impl Stages<'_> {
         sparse: &Area,
         view: &LayerView<'_>,
     ) -> Vec<Patch> {
-        let supported = self.is_supported(view.here.span.index);
+        let supported = self.is_supported(&view.here, view.below.first());
         skin::patches(own, sparse, view, supported, &self.plans.skin)
     }
 

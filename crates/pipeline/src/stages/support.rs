@@ -18,9 +18,10 @@ use isoslice_held::support::{
     Asked, Heights, Plan, Survey, Wishes, coarse, held,
 };
 use isoslice_layer::infill::InfillError;
+use isoslice_layer::view::LayerFace;
 use isoslice_model::expressions::Surroundings;
 use isoslice_planar::bead::Bead;
-use isoslice_planar::clip::union;
+use isoslice_planar::clip::{difference, intersection, union};
 use isoslice_planar::offset::offset;
 use isoslice_planar::{Area, Rect};
 use isoslice_settings::layers::LayerSpan;
@@ -278,10 +279,20 @@ impl<'a> Stages<'a> {
         }
     }
 
-    /// True if supports hold a part of a layer.
-    pub(crate) fn is_supported(&self, layer: usize) -> bool {
-        let under = self.support().and_then(|support| support.under(layer));
-        under.is_some_and(|area| !area.is_empty())
+    /// True if supports hold some of what hangs in a layer, which lies on another one.
+    pub(crate) fn is_supported(
+        &self,
+        here: &LayerFace<'_>,
+        below: Option<&LayerFace<'_>>,
+    ) -> bool {
+        let under = self.support().and_then(|s| s.under(here.span.index));
+        let Some(under) = under.filter(|area| !area.is_empty()) else {
+            return false;
+        };
+        let outline = |face: &LayerFace<'_>| face.rough.area().clone();
+        let on = below.map_or(Area::EMPTY, outline);
+        let hangs = difference(here.rough.area(), &on);
+        !intersection(&hangs, &under).is_empty()
     }
 
     /// The top of a layer's supports, if it can have some.
