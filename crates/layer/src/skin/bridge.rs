@@ -208,7 +208,7 @@ fn best_way(
         let partly = directions.iter().filter(|d| d.1 >= PARTLY_HELD);
         best(partly.map(|&(_, held, angle)| (1.0 - held, angle)))
             .map(|(open, angle)| (open, Way::Across(angle)))
-            .or(around)
+            .or_else(|| around.filter(|_| is_even(gap, below, hanging.width)))
     })
 }
 
@@ -233,6 +233,34 @@ fn is_around_hole(gap: &Area, below: &EdgeGrid, width: Mm) -> bool {
     let (held, free) =
         (count(&|s| s >= 1.0 - BUT_FOR), count(&|s| s <= BUT_FOR));
     held > 0 && free > 0 && held + free == shares.len()
+}
+
+/// True unless a gap hangs around stems, and its other border is not about as far from one
+/// of them everywhere: rings would end in the air.
+fn is_even(gap: &Area, below: &EdgeGrid, width: Mm) -> bool {
+    /// Greatest ratio of the distances.
+    const UNEVEN: f64 = 2.0;
+    let is_held = |ring: &&Ring| {
+        let mut all = edges(ring);
+        all.next().is_some_and(|(a, b)| {
+            let out = -(b - a).perp().normalize_or_zero();
+            holds(below, a.midpoint(b), out, width)
+        })
+    };
+    let (held, free): (Vec<&Ring>, Vec<&Ring>) =
+        gap.rings.iter().partition(is_held);
+    let stems = held.iter().filter(|ring| signed_area(ring) < 0.0);
+    match stems.count() {
+        0 => true,
+        1 if held.len() == 1 => {
+            let far = |p: &DVec2| Some(below.nearest(*p)?.1.distance(*p));
+            let far =
+                || free.iter().flat_map(|ring| ring.iter()).filter_map(far);
+            let least = far().fold(f64::INFINITY, f64::min);
+            far().fold(0.0, f64::max) <= UNEVEN * least
+        }
+        _ => false,
+    }
 }
 
 /// For each direction that may suit a gap: the span that is common among lines in it,

@@ -8,11 +8,15 @@
 //!     ╱     ╲
 //! ```
 //!
-//! In: the beads of a place. Out: these beads, longer if they are short.
+//! In: the beads of a place. Out: these beads, longer if they are short, or one in the
+//! middle of a place that has none.
 
-use crate::walls::content_of;
+use crate::walls::{Lay, content_of};
+use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
+use isoslice_planar::Area;
 use isoslice_planar::bead::Stroke;
+use isoslice_planar::grid::EdgeGrid;
 
 /// Length up to which beads are short, in widths. Of what is longer the ends are less
 /// than an eighth.
@@ -47,6 +51,53 @@ pub(super) fn filling(
     beads.into_iter().map(on_at_both).collect()
 }
 
+/// Beads of a place, or one in its middle if they lay next to nothing: a place that is
+/// about as wide as it is long, as where three walls meet, has no middle line, and the
+/// ring in it may be but a dot.
+pub(super) fn or_dab(
+    beads: Vec<Stroke>,
+    place: &Area,
+    lay: &Lay,
+) -> Vec<Stroke> {
+    /// Share of the content below which beads are next to nothing.
+    const NOTHING: f64 = 0.3;
+    /// Extent of the place, in widths of a line, from which on it is no dab.
+    const LONG: f64 = 4.0;
+    let content = place.content();
+    let size = place.bounds().size().max_element();
+    let laid: Mm2 = beads.iter().map(|s| content_of(s, lay.extra)).sum();
+    if laid >= NOTHING * content || size >= LONG * lay.width {
+        return beads;
+    }
+    dab(place, lay).map_or(beads, |dab| vec![dab])
+}
+
+/// A bead in the middle of a place that has the place's content, as wide as a ball in its
+/// middle, along its longest way; none if the place is too thin for it.
+fn dab(place: &Area, lay: &Lay) -> Option<Stroke> {
+    let [ring] = place.rings.as_slice() else {
+        return None;
+    };
+    let middle = ring.iter().sum::<DVec2>() / ring.len() as f64;
+    let border = EdgeGrid::new(place, lay.width);
+    let thickness = 2.0 * border.nearest(middle)?.1.distance(middle);
+    if !place.contains(middle) || thickness < lay.least {
+        return None;
+    }
+    let share = thickness.min(lay.limit);
+    let away = |p: &&DVec2| p.distance_squared(middle);
+    let far = ring.iter().max_by(|a, b| away(a).total_cmp(&away(b)))?;
+    let along = (*far - middle).try_normalize()?;
+    let ways = ring.iter().map(|p| (*p - middle).dot(along));
+    let [low, high] = ways.fold([0.0_f64; 2], |[low, high], way| {
+        [low.min(way), high.max(way)]
+    });
+    let half = 0.5 * (place.content() / share).min(high - low);
+    let ends = [-half, half].map(|way| 0.5 * (low + high) + way);
+    let points = ends.map(|way| middle + way * along).to_vec();
+    Some(Stroke::new(points, false, share + lay.extra))
+}
+
 /// A line that goes on at its end by so many widths, and then runs the other way.
 fn longer(mut line: Stroke, on: f64) -> Stroke {
     let last = line.points.len().saturating_sub(1);
@@ -63,7 +114,6 @@ fn longer(mut line: Stroke, on: f64) -> Stroke {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec2;
 
     const EXTRA: Mm = 0.043;
 
@@ -105,5 +155,30 @@ mod tests {
         ring.closed = true;
         let beads = vec![ring, bead(0.6)];
         assert_eq!(filled(beads.clone(), 5.0).1, beads);
+    }
+
+    /// The place that three walls around holes leave, and one that is a little too thin.
+    #[test]
+    fn a_place_without_a_middle_line_gets_one_bead_with_its_content() {
+        let plan =
+            isoslice_settings::testing::usual_plan(crate::walls::ThinPlan::of);
+        let lay = Lay::inside(0.45, 0.2, plan);
+        let place = |inside: Mm| {
+            let corner = |k: u32| {
+                let angle = std::f64::consts::TAU * f64::from(k) / 3.0;
+                2.0 * inside * DVec2::from_angle(angle)
+            };
+            Area::from((0..3).map(corner).collect::<Vec<_>>())
+        };
+        for inside in [0.13, 0.2, 0.25] {
+            let place = place(inside);
+            let all = or_dab(Vec::new(), &place, &lay);
+            assert_eq!(all.len(), 1, "{inside}");
+            let laid = content_of(&all[0], lay.extra);
+            assert!((laid / place.content() - 1.0).abs() < 0.01, "{inside}");
+            // What is there stays.
+            assert_eq!(or_dab(all.clone(), &place, &lay), all);
+        }
+        assert!(or_dab(Vec::new(), &place(0.1), &lay).is_empty());
     }
 }

@@ -91,7 +91,7 @@ impl Filler<'_> {
         }
         let ring = self.beside(self.plan.internal.width);
         let mut around = patch(island, ring, TOLERANCE);
-        let inside = around.inside(self.plan.off_ring, TOLERANCE);
+        let inside = around.inside(self.plan.off_ring, ring, TOLERANCE);
         let outside = |s: &Stroke| {
             let middle = s.segments().next().map(|(a, b)| a.midpoint(b));
             !middle.is_some_and(|p| inside.contains(p))
@@ -159,6 +159,7 @@ impl Filler<'_> {
             role => role,
         };
         let strokes = concentric(island, lay, TOLERANCE);
+        let strokes = dabs::or_dab(strokes, island, &lay);
         let strokes = dabs::filling(strokes, island.content(), lay.extra);
         let strokes = strokes.into_iter();
         let rings = strokes.map(|l| self.bead(role(&l), l)).collect();

@@ -582,7 +582,8 @@ fn laid(
                 let lays = (lay, &lays[next]);
                 left = shared::without(left, &walls, lays, accuracy);
             } else if k + 1 == pair.len() {
-                left = shared::without_slivers(left, &slivers, accuracy);
+                let next = &lays[next];
+                left = shared::without_slivers(left, &slivers, next, accuracy);
             }
             lines.push(walls);
             thin.push(beads);

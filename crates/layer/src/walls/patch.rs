@@ -66,9 +66,9 @@ pub fn patch(area: &Area, plan: Lay, tolerance: Mm) -> Patch {
 impl Patch {
     /// The area that lies more than `distance` inside the ring's centre line, and
     /// beside the ring where it is wider than it was laid.
-    pub fn inside(&self, distance: Mm, tolerance: Mm) -> Area {
+    pub fn inside(&self, distance: Mm, lay: Lay, tolerance: Mm) -> Area {
         let inside = shrink(&self.whole, distance, tolerance);
-        without_slivers(inside, &self.slivers, 0.0)
+        without_slivers(inside, &self.slivers, &lay, 0.0)
     }
 }
 
@@ -108,7 +108,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             shared = slivers;
         }
         let left = skeleton.shrunk(depth, tolerance);
-        let left = without_slivers(left, &shared, tolerance);
+        let left = without_slivers(left, &shared, &plan, tolerance);
         // What a hole leaves on its own would grow, not shrink.
         if !(0.0..area.content()).contains(&left.content()) || left.is_empty() {
             return strokes;
@@ -172,7 +172,7 @@ mod tests {
             let half = 0.4 + 0.01 * f64::from(k);
             let bar = rect(-9.0, -half, 9.0, half);
             let around = patch(&bar, plan, 0.01);
-            let inside = around.inside(plan.centre, 0.01).content();
+            let inside = around.inside(plan.centre, plan, 0.01).content();
             let beads = around.rings.iter().chain(&around.thin);
             let laid: f64 = beads.map(|l| content_of(l, plan.extra)).sum();
             let cores: f64 =

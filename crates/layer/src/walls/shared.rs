@@ -13,6 +13,7 @@
 //! wall. Out: what is left of the area beside that wall.
 
 use super::Lay;
+use super::beading::NARROW;
 use super::give::wider;
 use super::medial_axis::Axis;
 use super::widen::across;
@@ -24,7 +25,7 @@ use isoslice_planar::{Area, BoxTree, Rect, Ring};
 
 /// Pieces of what is left are looked at if they are smaller than this, mm²:
 /// some are remains that no bead fits into.
-const SMALL: Mm2 = 1.0;
+const SMALL: Mm2 = 0.08;
 
 /// What is left of an area beside a wall, some of whose lines are wider than usual. Lines
 /// of `skin` are laid in what is left. Borders are off by `slack`.
@@ -51,10 +52,16 @@ pub(super) fn without(
 
 /// What is left of an area without the slivers that the wall around it has become wider
 /// for. Borders are off by `slack`. The ends of slivers stay: where strips meet, what is
-/// left between them keeps its shape.
-pub(super) fn without_slivers(area: Area, slivers: &[Axis], slack: Mm) -> Area {
-    let band = |sliver: &Axis| {
-        let mut axis = sliver.clone();
+/// left between them keeps its shape. What is thinner than a bead of the next `lay` ever
+/// is stays as well.
+pub(super) fn without_slivers(
+    area: Area,
+    slivers: &[Axis],
+    lay: &Lay,
+    slack: Mm,
+) -> Area {
+    let least = lay.least / NARROW - 2.0 * slack;
+    let band = |mut axis: Axis| {
         if axis.closed {
             axis.points.extend(axis.points.first().copied());
             axis.thickness.extend(axis.thickness.first().copied());
@@ -70,7 +77,8 @@ pub(super) fn without_slivers(area: Area, slivers: &[Axis], slack: Mm) -> Area {
         let line = axis.stroke(2.0 * slack);
         (line.points.len() > 1).then(|| taken(&line, 0.0))
     };
-    let thick = slivers.iter().filter(|axis| axis.thickest() > 0.0);
+    let parts = slivers.iter().flat_map(|s| s.clone().split_at(least));
+    let thick = parts.filter(|axis| axis.thickest() > least);
     let taken: Vec<Ring> = thick.filter_map(band).collect();
     if taken.is_empty() {
         return area;
