@@ -11,7 +11,7 @@
 //! In: the beads of a place. Out: these beads, longer if they are short, or one in the
 //! middle of a place that has none.
 
-use crate::walls::{Lay, content_of};
+use crate::walls::{Lay, NARROW, content_of};
 use glam::DVec2;
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_planar::Area;
@@ -78,10 +78,21 @@ fn dab(place: &Area, lay: &Lay) -> Option<Stroke> {
     let [ring] = place.rings.as_slice() else {
         return None;
     };
-    let middle = ring.iter().sum::<DVec2>() / ring.len() as f64;
+    /// Number of places tried in each direction.
+    const TRIED: usize = 16;
     let border = EdgeGrid::new(place, lay.width);
-    let thickness = 2.0 * border.nearest(middle)?.1.distance(middle);
-    if !place.contains(middle) || thickness < lay.least {
+    let bounds = place.bounds();
+    let at = |k: usize| (k as f64 + 0.5) / TRIED as f64;
+    let places = (0..TRIED * TRIED).map(|k| {
+        let share = DVec2::new(at(k % TRIED), at(k / TRIED));
+        bounds.min + share * bounds.size()
+    });
+    let balls = places.filter(|p| place.contains(*p)).filter_map(|p| {
+        let (_, q) = border.nearest(p)?;
+        Some((p, 2.0 * p.distance(q)))
+    });
+    let (middle, thickness) = balls.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if thickness < lay.least / NARROW {
         return None;
     }
     let share = thickness.min(lay.limit);
@@ -170,7 +181,7 @@ mod tests {
             };
             Area::from((0..3).map(corner).collect::<Vec<_>>())
         };
-        for inside in [0.13, 0.2, 0.25] {
+        for inside in [0.11, 0.2, 0.25] {
             let place = place(inside);
             let all = or_dab(Vec::new(), &place, &lay);
             assert_eq!(all.len(), 1, "{inside}");
@@ -179,6 +190,6 @@ mod tests {
             // What is there stays.
             assert_eq!(or_dab(all.clone(), &place, &lay), all);
         }
-        assert!(or_dab(Vec::new(), &place(0.1), &lay).is_empty());
+        assert!(or_dab(Vec::new(), &place(0.08), &lay).is_empty());
     }
 }

@@ -22,7 +22,7 @@ use super::medial_axis::Axis;
 use isoslice_base::units::Mm;
 
 /// Factor by which a single bead goes on narrower than its bound.
-pub(super) const NARROW: f64 = 1.25;
+pub(crate) const NARROW: f64 = 1.25;
 /// Factor by which a single bead goes on wider than its bound. The wider a round bead
 /// is, the more it leaves open in corners.
 const WIDE: f64 = 1.12;

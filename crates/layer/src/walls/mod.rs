@@ -40,6 +40,7 @@ mod tops;
 mod widen;
 
 use beading::Beadings;
+pub(crate) use beading::NARROW;
 pub use beads::{beads, interlocked, rounded, thin};
 use bend::is_bend;
 use give::give_way;
