@@ -200,12 +200,23 @@ pub(super) fn describe_steps(steps: &Steps, count: usize, rows: &mut Rows) {
         );
         rows.add("", line);
     }
-    if steps.unproved_mm > 0.0 {
+    let unknown = steps.unknown_mm;
+    if unknown > 0.0 {
         let line = format!(
-            "over {:.2} mm of the height too little is proved of the surface: \
-             layers may be thinner than they need to be, or steps smaller than \
-             said",
-            steps.unproved_mm
+            "over {unknown:.2} mm of the height layers are as thin as for a level \
+             surface, since nothing is proved of the surface there: that takes more \
+             work than is spent on it, or the surface is one of a mesh that stays \
+             open, is bent or blended, or of a function with kinks; layer_heights = \
+             \"expr: …\" gives heights instead"
+        );
+        rows.add("", line);
+    }
+    let doubtful = steps.unproved_mm - unknown;
+    if doubtful > 0.0 {
+        let line = format!(
+            "over {doubtful:.2} mm of the height too little is proved of the \
+             surface: layers may be thinner than they need to be, or steps smaller \
+             than said"
         );
         rows.add("", line);
     }

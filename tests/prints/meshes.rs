@@ -225,14 +225,93 @@ fn bodies_that_share_a_level_face_lose_no_layer() {
     }
 }
 
+/// A ring around the z axis, whose section is an octagon.
+fn ring(around: usize) -> Vec<[Point; 3]> {
+    let at = |i: usize, k: usize| {
+        let turn = |i: usize, of: usize| {
+            (i % of) as f64 / of as f64 * std::f64::consts::TAU
+        };
+        let (u, v) = (turn(i, around), turn(k, 8));
+        let r = 12.0 + 4.0 * v.cos();
+        [r * u.cos(), r * u.sin(), 4.0 * v.sin()].map(|c| c as f32)
+    };
+    let faces = (0..around).flat_map(|i| (0..8).map(move |k| (i, k)));
+    faces
+        .flat_map(|(i, k)| {
+            let [a, b, c, d] =
+                [at(i, k), at(i + 1, k), at(i + 1, k + 1), at(i, k + 1)];
+            [[a, b, c], [a, c, d]]
+        })
+        .collect()
+}
+
+/// The heights of adaptive layers are those that the formula of the same body has.
+#[test]
+fn adaptive_layers_are_those_of_the_formula() {
+    // Eight half-planes, 4·cos(22.5°) from the middle of the section.
+    let side = "(sqrt(x*x + y*y) - 12)";
+    let turned = "max(abs(u)*0.92387953 + abs(z)*0.38268343, \
+                  abs(u)*0.38268343 + abs(z)*0.92387953) - 3.69551813"
+        .replace('u', side);
+    let folder = folder(&[("ring.stl", stl(&ring(720)))]);
+    let settings = settings(&["layer_heights=adaptive 0.1"]);
+    let tilted = Placement {
+        rotate: [0.0, 90.0, 0.0],
+        size: Some(30.0),
+        ..Placement::default()
+    };
+    let block = "max(max(abs(x)-10, abs(y)-6), abs(z-2)-2)";
+    for (mesh, formula, placement) in [
+        (
+            "mesh(\"block.stl\")",
+            block.to_owned(),
+            Placement::default(),
+        ),
+        ("mesh(\"block.stl\")", block.to_owned(), tilted),
+        ("mesh(\"ring.stl\")", turned.clone(), Placement::default()),
+        (
+            "max(mesh(\"ring.stl\"), z - 2)",
+            format!("max({turned}, z - 2)"),
+            Placement::default(),
+        ),
+    ] {
+        let source = script(folder.path(), mesh);
+        let a = placed(&source, &[], &placement, &settings);
+        let source = Source::formula("f", &formula);
+        let b = placed(&source, &[], &placement, &settings);
+        let [a, b] = [a, b].map(|m| slice(&m, &settings, 2).1);
+        let (n, m) = (a.layer_count, b.layer_count);
+        // Bounds of the formula have a slack of 4 %.
+        assert!(n <= m + 1 && m <= n + 1 + n / 25, "{mesh}: {n}, {m}");
+        let [a, b] = [a, b].map(|s| s.steps.unwrap());
+        assert_eq!((a.unproved_mm, a.missed_faces), (0.0, 0), "{mesh}");
+        assert!((a.thickest_mm - b.thickest_mm).abs() < 0.01, "{mesh}");
+        assert!(a.step_max_mm <= 0.1 + 1e-9, "{mesh}");
+    }
+}
+
+/// Where nothing is proved, the summary says so.
+#[test]
+fn adaptive_layers_of_a_mesh_that_is_bent_are_thin() {
+    let folder = folder(&[]);
+    let settings = settings(&["layer_heights=adaptive"]);
+    let text = "mesh(\"block.stl\").twist(400)";
+    let source = script(folder.path(), text);
+    let model = placed(&source, &[], &Placement::default(), &settings);
+    let steps = slice(&model, &settings, 2).1.steps.unwrap();
+    assert!(steps.unknown_mm > 3.0, "{steps:?}");
+    assert!(steps.thickest_mm < 0.201, "{steps:?}");
+}
+
 #[test]
 fn threads_and_ranges_give_the_same_bytes() {
     let folder = folder(&[]);
-    let settings = settings(&["layer_height=0.25"]);
+    let settings = settings(&["layer_height=0.25", "layer_heights=adaptive"]);
     for text in [
         "max(mesh(\"block.stl\"), -mesh(\"pin.stl\").remap(x, y, z + 0.1*x))",
         "max(mesh(\"block.stl\"), abs(sin(x)*cos(y) + sin(y)*cos(z) \
          + sin(z)*cos(x)) - 0.5)",
+        "min(mesh(\"block.stl\") - 1, mesh(\"pin.stl\").remap(x, y, z + 0.1*x))",
     ] {
         let source = script(folder.path(), text);
         let none = Placement::default();

@@ -75,7 +75,7 @@ pub use contour::{
     Detail, Outline, Phase, outline_of, outlines, outlines_in_phases,
 };
 pub use cuboid::Bounds;
-pub use data::{Call, Crossing, Data};
+pub use data::{Call, Crossing, Data, Facet};
 pub use data::{call, call_of, data_of, known as known_data, places};
 pub use expand::{ExpandError, MAX_EXPANDED_NODES};
 pub use expand::{expand, expand_with, nodes_of};

@@ -137,6 +137,11 @@ impl Cover {
         meets(&self.alone, over)
     }
 
+    /// What of the cover does not lie on a triangle that it closes.
+    pub(crate) fn alone(&self) -> &Shell {
+        &self.alone
+    }
+
     /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.shell.bytes()

@@ -78,6 +78,7 @@ mod closest;
 mod cover;
 mod edges;
 mod error;
+mod facets;
 mod facts;
 mod few;
 mod fill;

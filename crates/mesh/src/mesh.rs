@@ -10,8 +10,9 @@ use crate::shell::{ROUNDINGS, Shell};
 use crate::sign::Sign;
 use crate::triangles::Triangles;
 use glam::{DAffine3, DVec3};
-use isocontour::{Bounds, Crossing, Data, Grid, Ring, places};
+use isocontour::{Bounds, Crossing, Data, Facet, Grid, Ring, places};
 use std::cell::Cell;
+use std::sync::OnceLock;
 
 /// Places that are farther than this along an axis, mm, are so far that the
 /// mesh is a point.
@@ -44,6 +45,8 @@ pub struct Mesh {
     pub(crate) sign: Sign,
     pub(crate) bounds: Bounds,
     facts: Facts,
+    /// True if some triangle is inside, once that was asked.
+    has_inner: OnceLock<bool>,
 }
 
 /// What is known of the last place that was asked for.
@@ -96,6 +99,7 @@ impl Mesh {
             sign,
             bounds,
             facts,
+            has_inner: OnceLock::new(),
         })
     }
 
@@ -118,6 +122,21 @@ impl Mesh {
 
     pub(crate) fn is_inside(&self, p: DVec3) -> bool {
         self.bounds.contains(p) && self.winding(p) > 0.5
+    }
+
+    /// True if both sides of some triangle's middle are inside.
+    pub(crate) fn has_inner(&self) -> bool {
+        /// The way from the middle to both sides, as a share of the coordinates.
+        const OFF: f64 = 1e-9;
+        *self.has_inner.get_or_init(|| {
+            (0..self.shell.corners.len()).any(|i| {
+                let [a, b, c] = self.shell.triangle(i);
+                let middle = (a + b + c) / 3.0;
+                let step = OFF * (1.0 + middle.abs().max_element());
+                let way = self.shell.normal(i).normalize_or_zero() * step;
+                self.is_inside(middle + way) && self.is_inside(middle - way)
+            })
+        })
     }
 
     /// The triangle that is closest to a place.
@@ -249,6 +268,16 @@ impl Data for Mesh {
 
     fn section(&self, place: &DAffine3, z: f64) -> Option<Vec<Ring>> {
         self.section_at(place, z)
+    }
+
+    fn facets(
+        &self,
+        place: &DAffine3,
+        level: f64,
+        over: &Bounds,
+        tell: &mut dyn FnMut(Facet),
+    ) -> bool {
+        self.facets_over(place, level, over, tell)
     }
 
     fn has_crossings(&self) -> bool {

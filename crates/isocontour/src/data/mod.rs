@@ -113,6 +113,23 @@ pub trait Data: Any + Send + Sync {
         None
     }
 
+    /// Tells all parts of the surface where it has the value `level` that may meet a
+    /// box, if that surface is known to consist of such parts: what has lower values
+    /// begins and ends on them only. The box and the parts are in coordinates from
+    /// which `place` leads to where the data is asked. Parts that are no border,
+    /// since one side of them is like the other, may be among those. False if the
+    /// parts are not known; what was told does not count then.
+    fn facets(
+        &self,
+        place: &DAffine3,
+        level: f64,
+        over: &Bounds,
+        tell: &mut dyn FnMut(Facet),
+    ) -> bool {
+        let _ = (place, level, over, tell);
+        false
+    }
+
     /// True if it knows where lines [cross](Data::crossings) its surface.
     fn has_crossings(&self) -> bool {
         false
@@ -133,6 +150,26 @@ pub fn places([x, y, z]: [&[f32]; 3]) -> impl Iterator<Item = Option<DVec3>> {
         let p = DVec3::new(x.into(), y.into(), z.into());
         p.is_finite().then_some(p)
     })
+}
+
+/// A part of a surface.
+#[derive(Clone, Copy, Debug)]
+pub enum Facet {
+    /// A triangle, by its corners.
+    Flat([DVec3; 3]),
+    /// What is `radius` away from the places of a line, in directions of unit
+    /// length that are the surface's normals there. With a radius below 0 it is the
+    /// other way.
+    Round {
+        /// The ends of the line, which may be one place.
+        line: [DVec3; 2],
+        /// The radius.
+        radius: f64,
+        /// Two numbers between which the vertical parts of all directions are.
+        up: [f64; 2],
+        /// Some of the directions.
+        ways: [DVec3; 3],
+    },
 }
 
 /// A place where a line crosses the surface of a body.

@@ -12,7 +12,9 @@
 //! for each of the surfaces of which f = 0 consists there
 //! (`program::surfaces`). A box is done when it is less level than the options
 //! ask for, when its bins are known to be as level as the box, or when its
-//! bound is within 4 % of its least value. A surface whose slopes along x and y
+//! bound is within 4 % of its least value. Where a surface consists of parts that
+//! data tells, such as a mesh's triangles, these parts bound it instead (`facets`).
+//! A surface whose slopes along x and y
 //! are exactly 0 is level. Its height is found by bisection, and counts if f
 //! changes its sign there.
 //!
@@ -32,6 +34,7 @@
 //! The bounds hold all the same, and then count the face as level. A ledge that
 //! is narrower than that, where two bodies share a face, may not count at all.
 
+mod facets;
 mod slopes;
 
 use crate::cancel::{Cancel, Cancelled};
@@ -40,6 +43,7 @@ use crate::cell::Cell;
 use crate::expand::{ExpandError, expand};
 use crate::program::{Program, Scratch, Surface};
 use crate::{Bounds, Length};
+use facets::{Facets, Parts};
 use fidget::context::Tree;
 use slopes::{Known, known};
 use std::cmp::Ordering;
@@ -77,6 +81,9 @@ pub struct Lean {
     /// Height of all bins together in which something was not proved and counts
     /// as level.
     pub unproved: Length,
+    /// Height of those bins of them in which the surface may be as level as
+    /// [`LeanOptions::most`] for all that was proved.
+    pub unknown: Length,
 }
 
 impl Lean {
@@ -95,6 +102,7 @@ impl Lean {
         self.faces.sort_by(f64::total_cmp);
         self.faces.dedup_by(|b, a| *b - *a <= SAME);
         self.unproved += other.unproved;
+        self.unknown += other.unknown;
         self
     }
 }
@@ -145,8 +153,10 @@ pub fn lean(
     let (bottom, top) = (bounds.min.z, bounds.max.z);
     let count = Lean::count(bounds, options.bin);
     let (first, last) = (options.bins.0, options.bins.1.min(count));
+    let program = Rc::new(program);
     let mut search = Search {
         options,
+        root: program.clone(),
         bottom,
         found: vec![options.enough; count],
         faces: Vec::new(),
@@ -160,7 +170,6 @@ pub fn lean(
         lo: bounds.min.to_array(),
         hi: bounds.max.to_array(),
     };
-    let program = Rc::new(program);
     let slabs = last.saturating_sub(first).div_ceil(SLAB_BINS);
     for slab in 0..slabs {
         let from = first + slab * SLAB_BINS;
@@ -182,6 +191,8 @@ pub fn lean(
 
 struct Search<'a> {
     options: &'a LeanOptions,
+    /// The whole function, which holds everywhere.
+    root: Rc<Program>,
     bottom: Length,
     found: Vec<f64>,
     faces: Vec<Length>,
@@ -202,6 +213,7 @@ struct Search<'a> {
 struct Open {
     cell: Cell,
     program: Rc<Program>,
+    parts: Parts,
     /// Bound of |n_z| for all that is not exactly level.
     most: f64,
     /// True if some of the surface in the cell is exactly level, at a height
@@ -277,7 +289,8 @@ impl Search<'_> {
     ) -> Result<(), Cancelled> {
         let mut todo = BinaryHeap::new();
         let mut number = 0;
-        self.look(whole, program, number, &mut todo);
+        let parts: Parts = Rc::new([]);
+        self.look(whole, program, &parts, number, &mut todo);
         while let Some(open) = todo.pop() {
             if number.is_multiple_of(256) {
                 cancel.check()?;
@@ -295,7 +308,7 @@ impl Search<'_> {
             }
             for half in open.cell.split(open.axis) {
                 number += 1;
-                self.look(half, &open.program, number, &mut todo);
+                self.look(half, &open.program, &open.parts, number, &mut todo);
             }
         }
         Ok(())
@@ -306,6 +319,7 @@ impl Search<'_> {
         &mut self,
         cell: Cell,
         program: &Rc<Program>,
+        parts: &Parts,
         number: u64,
         todo: &mut BinaryHeap<Open>,
     ) {
@@ -318,8 +332,24 @@ impl Search<'_> {
         if outside || (f.range.hi < 0.0 && !f.range.nan) {
             return;
         }
-        let known = known(program.surfaces(&self.scratch));
-        let has_faces = !self.level_faces(&seen, program, &known.level);
+        let (others, facets) = match program.surfaces(&self.scratch) {
+            Some(all) if program.has_data() => {
+                let (others, facets) =
+                    self.facets(&cell, &seen, program, all, parts);
+                (Some(others), facets)
+            }
+            all => (all, Facets::default()),
+        };
+        let mut known = known(others);
+        // Triangles are told of a box however wide it is.
+        let is_wide_enough = !facets.parts.is_empty()
+            && known.level.is_empty()
+            && known.most <= self.least_of(&cell);
+        let mut has_faces = !self.level_faces(&seen, program, &known.level);
+        if cell.width(2) > DONE_BINS * self.options.bin {
+            known.most = known.most.max(facets.most);
+            has_faces |= facets.has_faces;
+        }
         if !has_faces && self.is_done(&cell, &known) {
             return;
         }
@@ -327,11 +357,11 @@ impl Search<'_> {
         let sides = program.by_upright_turns(&self.scratch);
         if !sides.is_empty() {
             for side in sides {
-                self.look(cell, &Rc::new(side), number, todo);
+                self.look(cell, &Rc::new(side), parts, number, todo);
             }
             return;
         }
-        let Some(axis) = self.axis(&cell, &known) else {
+        let Some(axis) = self.axis(&cell, &known, is_wide_enough) else {
             let worst = if has_faces { 1.0 } else { known.most };
             self.doubts.push(([cell.lo[2], cell.hi[2]], worst));
             return;
@@ -339,6 +369,11 @@ impl Search<'_> {
         let simple = program.simplify(&self.scratch);
         todo.push(Open {
             cell,
+            parts: if facets.parts.is_empty() {
+                parts.clone()
+            } else {
+                facets.parts.into()
+            },
             program: simple.map_or_else(|| program.clone(), Rc::new),
             most: known.most,
             has_faces,
@@ -475,13 +510,19 @@ impl Search<'_> {
     }
 
     /// The axis across which to cut a cell, if a cut can tell more.
-    fn axis(&self, cell: &Cell, known: &Known) -> Option<usize> {
+    /// `is_wide_enough` tells that one across z suffices.
+    fn axis(
+        &self,
+        cell: &Cell,
+        known: &Known,
+        is_wide_enough: bool,
+    ) -> Option<usize> {
         let bin = self.options.bin;
         let high = DONE_BINS * bin;
         let [x, y, z] = [0, 1, 2].map(|i| cell.width(i));
         let widest = usize::from(y > x);
         let in_plane = x.max(y);
-        if z > high && z >= 0.25 * in_plane {
+        if z > high && (z >= 0.25 * in_plane || is_wide_enough) {
             return Some(2);
         }
         if in_plane > THIN && in_plane >= 4.0 * z {
@@ -505,6 +546,7 @@ impl Search<'_> {
         let tolerance = self.options.tolerance;
         let ends = [self.bottom, top];
         let mut unproved = vec![false; self.found.len()];
+        let mut unknown = unproved.clone();
         for ([lo, hi], most) in std::mem::take(&mut self.doubts) {
             let beside =
                 |face: Length| lo >= face - tolerance && hi <= face + tolerance;
@@ -516,16 +558,20 @@ impl Search<'_> {
             let bins = self.bins(lo, hi);
             for k in bins {
                 unproved[k] |= self.found[k] < most;
+                unknown[k] |= self.found[k] < most && most >= self.options.most;
             }
             self.raise(lo, hi, most);
         }
-        let doubtful = unproved.iter().filter(|u| **u).count();
+        let height = |bins: &[bool]| {
+            bins.iter().filter(|u| **u).count() as f64 * self.options.bin
+        };
         Lean {
             bottom: self.bottom,
             bin: self.options.bin,
             most_level: self.found,
             faces: self.faces,
-            unproved: doubtful as f64 * self.options.bin,
+            unproved: height(&unproved),
+            unknown: height(&unknown),
         }
     }
 }

@@ -44,7 +44,7 @@ use slot::{FLAT, Slot, mixed, tightened};
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
-pub(super) use surfaces::Surface;
+pub(super) use surfaces::{Placed, Surface};
 
 /// One operation. Its operands are indices of earlier steps.
 #[derive(Clone, Copy, Debug)]
@@ -246,6 +246,11 @@ impl Program {
     /// The work of a value, in operations.
     pub(crate) fn value_work(&self) -> u64 {
         self.work() / 8 + 1
+    }
+
+    /// True if it asks data.
+    pub(crate) fn has_data(&self) -> bool {
+        !self.data.is_empty()
     }
 
     /// Number of operations.

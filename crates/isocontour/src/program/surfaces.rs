@@ -7,8 +7,10 @@
 //! such as a root or a sum with a constant, are replaced by the operand.
 
 use super::{Program, Scratch, Step};
+use crate::data::Data;
 use crate::interval::Interval;
 use fidget::context::{BinaryOpcode, UnaryOpcode};
+use glam::{DAffine3, DMat3, DVec3};
 
 /// A surface on which a step of the program has a certain value.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +19,15 @@ pub(crate) struct Surface {
     level: f64,
     /// Range of the step's partial derivatives in the box.
     pub slope: [Interval; 3],
+}
+
+/// Data that has one value all over a surface.
+pub(crate) struct Placed<'a> {
+    pub data: &'a dyn Data,
+    /// The map to the places at which it is asked.
+    pub place: DAffine3,
+    /// The value.
+    pub level: f64,
 }
 
 impl Program {
@@ -118,6 +129,40 @@ impl Program {
             }
         });
         Surface { step, level, slope }
+    }
+
+    /// The data that has one value all over a surface in the box of the last `enclose`
+    /// (of this program, with this scratch), whose centre is `centre`. `None` if there
+    /// is no such data, or if it is not asked at places that an affine map makes.
+    pub(crate) fn placed_data(
+        &self,
+        surface: &Surface,
+        centre: DVec3,
+        scratch: &Scratch,
+    ) -> Option<Placed<'_>> {
+        let step = self.steps.get(surface.step as usize)?;
+        let Step::Data(number, at) = *step else {
+            return None;
+        };
+        let mut rows = [DVec3::ZERO; 3];
+        let mut to = DVec3::ZERO;
+        for (k, step) in at.into_iter().enumerate() {
+            let slot = scratch.slots.get(step as usize)?;
+            // Whatever has one slope all over a box is affine there.
+            let is_affine = slot.slope.iter().all(|g| g.lo == g.hi && !g.nan);
+            if !is_affine || slot.range.nan || !slot.centre.is_finite() {
+                return None;
+            }
+            rows[k] = DVec3::from_array(slot.slope.map(|g| g.lo));
+            to[k] = slot.centre - rows[k].dot(centre);
+        }
+        let by = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose();
+        let place = DAffine3::from_mat3_translation(by, to);
+        Some(Placed {
+            data: &*self.data[number as usize],
+            place,
+            level: surface.level,
+        })
     }
 
     /// Value of f at a point, and how far a surface's step is above its level

@@ -82,6 +82,9 @@ pub struct Steps {
     /// Height of the part in which too little was proved, so that its layers
     /// may be thinner than they need to be, mm.
     pub unproved_mm: Mm,
+    /// Height of the part in which nothing was proved, so that its layers are as thin
+    /// as for a level surface, mm.
+    pub unknown_mm: Mm,
 }
 
 /// Why layers cannot be planned.
@@ -234,6 +237,7 @@ fn heights_above(
             .count(),
         missed_faces: missed.len(),
         unproved_mm: lean.unproved,
+        unknown_mm: lean.unknown,
         uniform_layers: uniform(top)?.len(),
     };
     Ok(Heights {
@@ -277,6 +281,7 @@ fn surface(model: &Model, plan: &HeightPlan) -> Result<Lean, HeightsError> {
         most_level: vec![1.0; count],
         faces: Vec::new(),
         unproved: model.bounds.size().z,
+        unknown: model.bounds.size().z,
     }))
 }
 
