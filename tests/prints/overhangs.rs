@@ -265,3 +265,55 @@ fn the_ceiling_of_a_pocket_is_laid_from_its_rim_to_the_bore() {
         assert!((last - 1.925).abs() < 0.05, "{order}: {last}");
     }
 }
+
+/// What hangs around a stem is laid from the stem outwards, its walls last. What stands on
+/// supports has its walls first.
+#[test]
+fn a_cap_is_laid_from_its_stem_outwards() {
+    const BRIDGE: &str = "Bridge infill";
+    const CAP: &str = "min(max(sqrt(x^2 + y^2) - 4, abs(z - 3) - 3), \
+        max(sqrt(x^2 + y^2) - 9, abs(z - 7) - 1))";
+    let hangs = |set: &[&str]| {
+        let settings = common::settings(set);
+        let gcode = common::slice(&formula(CAP, &settings), &settings, 2).0;
+        let layers = parse(&gcode);
+        let above = |l: &&Layer| (l.z - 6.2).abs() < 1e-6;
+        let cap = layers.iter().find(above).unwrap();
+        let moves = cap.prints().map(|m| {
+            let (a, b) = m.ends();
+            let out = 0.5 * (a + b) - DVec2::splat(110.0);
+            (m.role, out.length())
+        });
+        moves.filter(|m| m.1 > 4.4).collect::<Vec<_>>()
+    };
+    let alone = hangs(&[]);
+    let skin = alone.iter().filter(|m| m.0 == BRIDGE).count();
+    assert!(skin > 100, "{alone:?}");
+    for pair in alone[..skin].windows(2) {
+        assert!(pair[1].1 > pair[0].1 - 0.15, "{pair:?}");
+    }
+    assert!(alone[skin..].iter().all(|m| m.0 != BRIDGE), "{alone:?}");
+    assert!(alone[skin..].iter().any(|m| m.0 == OVERHANG), "{alone:?}");
+    let held = hangs(&["supports=auto"]);
+    assert!(held.iter().all(|m| m.0 != BRIDGE), "{held:?}");
+    assert!(held[0].1 > 8.0, "{held:?}");
+}
+
+/// All corners of a square hang over an octagon, and none of its sides does.
+#[test]
+fn walls_that_are_held_between_their_corners_come_first() {
+    const TOWER: &str = "min(max(max(max(abs(x), abs(y)) - 8, abs(x) + abs(y) - 13), \
+        abs(z - 3) - 3), max(max(abs(x), abs(y)) - 8, abs(z - 8) - 2))";
+    let settings = common::settings(&[]);
+    let gcode = common::slice(&formula(TOWER, &settings), &settings, 2).0;
+    let layers = parse(&gcode);
+    let above = |l: &&Layer| (l.z - 6.2).abs() < 1e-6;
+    let square = layers.iter().find(above).unwrap();
+    let roles: Vec<&str> = square.prints().map(|m| m.role).collect();
+    let is_wall = |role: &&str| role.contains("erimeter");
+    let walls = roles.iter().rposition(is_wall).unwrap();
+    let first = roles
+        .iter()
+        .position(|role| !is_wall(role) && *role != "Gap fill");
+    assert!(first.unwrap() > walls, "{roles:?}");
+}

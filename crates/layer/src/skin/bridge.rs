@@ -510,21 +510,24 @@ mod tests {
             let points = [from, to].map(|x| DVec2::new(x, y as f64));
             (y, Stroke::new(points.to_vec(), false, 0.45))
         };
-        // Rows 4 to 6 end at the hole.
+        // Rows 3 to 7 end at the hole.
         let lines: Vec<_> = (2..9)
             .flat_map(|y| match y {
-                4..7 => vec![row(y, 4.0, 12.0), row(y, 18.0, 26.0)],
+                3..8 => vec![row(y, 4.0, 12.0), row(y, 18.0, 26.0)],
                 _ => vec![row(y, 4.0, 26.0)],
             })
             .collect();
         let after = held_first(&lines, 0.0, &EdgeGrid::new(&piers, 1.0), 0.45);
-        let none: Vec<u32> = Vec::new();
-        assert_eq!(after[0], none);
-        assert_eq!(after[1], none);
-        assert_eq!((&after[2], &after[3]), (&vec![1], &vec![1]));
-        assert_eq!((&after[4], &after[5]), (&vec![2, 6], &vec![3, 7]));
-        assert_eq!((&after[6], &after[7]), (&vec![8], &vec![8]));
-        let whole = &lines[..2];
+        let none: &[u32] = &[];
+        let waits: Vec<&[u32]> = after.iter().map(Vec::as_slice).collect();
+        let left = [&[0][..], &[1], &[3, 7], &[9], &[11]];
+        let right = [&[0][..], &[2], &[4, 8], &[10], &[11]];
+        assert_eq!((waits[0], waits[11]), (none, none));
+        for k in 0..5 {
+            let own = [waits[2 * k + 1], waits[2 * k + 2]];
+            assert_eq!(own, [left[k], right[k]], "{k}");
+        }
+        let whole = &lines[..1];
         assert!(
             held_first(whole, 0.0, &EdgeGrid::new(&piers, 1.0), 0.45)
                 .is_empty()

@@ -63,10 +63,16 @@ pub(super) fn or_dab(
     const NOTHING: f64 = 0.3;
     /// Extent of the place, in widths of a line, from which on it is no dab.
     const LONG: f64 = 4.0;
+    /// Content below which a place stays open, in squares of the width: the beads
+    /// around it flow in.
+    const LEAST: f64 = 0.5;
     let content = place.content();
     let size = place.bounds().size().max_element();
     let laid: Mm2 = beads.iter().map(|s| content_of(s, lay.extra)).sum();
-    if laid >= NOTHING * content || size >= LONG * lay.width {
+    if laid >= NOTHING * content
+        || size >= LONG * lay.width
+        || content < LEAST * lay.width * lay.width
+    {
         return beads;
     }
     dab(place, lay).map_or(beads, |dab| vec![dab])
@@ -181,7 +187,7 @@ mod tests {
             };
             Area::from((0..3).map(corner).collect::<Vec<_>>())
         };
-        for inside in [0.11, 0.2, 0.25] {
+        for inside in [0.15, 0.2, 0.25] {
             let place = place(inside);
             let all = or_dab(Vec::new(), &place, &lay);
             assert_eq!(all.len(), 1, "{inside}");
@@ -190,6 +196,6 @@ mod tests {
             // What is there stays.
             assert_eq!(or_dab(all.clone(), &place, &lay), all);
         }
-        assert!(or_dab(Vec::new(), &place(0.08), &lay).is_empty());
+        assert!(or_dab(Vec::new(), &place(0.13), &lay).is_empty());
     }
 }

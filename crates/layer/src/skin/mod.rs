@@ -422,6 +422,30 @@ mod tests {
         assert_eq!(contents(&on(None, 0), &plan)[0].0, Role::BottomSkin);
     }
 
+    /// The ceiling of a counterbore, which is left to supports if there are some.
+    #[test]
+    fn a_ceiling_around_a_hole_is_laid_in_rings_unless_supports_hold_it() {
+        let plan = usual_plan(SkinPlan::of);
+        let skin = difference(&square(10.0), &disc(4.0, 200));
+        let below = Solid::new(difference(&square(12.0), &disc(5.5, 200)));
+        let here = Solid::new(skin.clone());
+        let view = LayerView::of(1, &here, &[], &[&below]);
+        let bridged = |supported: bool| -> f64 {
+            let all = patches(&skin, &Area::EMPTY, &view, supported, &plan);
+            let beads = all.iter().flat_map(Patch::beads);
+            let bridges = beads.filter(|b| b.role == Role::Bridge);
+            let of_ring = |b: &Bead| {
+                assert!(b.stroke.closed);
+                b.stroke.length()
+            };
+            bridges.map(of_ring).sum()
+        };
+        // Four rings of half a millimetre.
+        let length = bridged(false);
+        assert!((80.0..140.0).contains(&length), "{length}");
+        assert_eq!(bridged(true), 0.0);
+    }
+
     #[test]
     fn ironing_goes_over_tops_alone() {
         let plan = plan_with(SkinPlan::of, |s| s.ironing = SwitchOr::On);
