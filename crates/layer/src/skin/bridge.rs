@@ -12,10 +12,11 @@
 //! that are bridges, each with the way its lines run. An area that hangs
 //! in the air without two sides to hang from (a balcony) is no bridge: it is left,
 //! and printed as ordinary skin. Where no supports are to hold what hangs:
-//! - a narrow ring between a rim that is held and a hole, as in the ceiling of a
-//!   counterbore, is laid in rings;
-//! - elsewhere lines may hang although many of them end at a hole, if some reach
-//!   from side to side. The others are laid beside those ([`held_first`]).
+//! - a narrow gap between a rim that is held and a hole, as in the ceiling of a
+//!   counterbore, or around a stem, is laid in rings;
+//! - across wider gaps lines may hang although many of them end at a hole, if some
+//!   reach from side to side. The others are laid beside those ([`held_first`]);
+//! - wide gaps around holes or a stem that no lines cross are laid in rings as well.
 //!
 //! The directions tried are a fan of angles and those of the gap's longer
 //! sides. The one with the shortest spans wins, where an end that nothing holds
@@ -72,8 +73,8 @@ const ROWS: f64 = 24.0;
 pub const ANCHOR: f64 = 2.0;
 /// Share of the lines' length that must be held at both ends.
 const HELD: f64 = 0.6;
-/// The same where what hangs has no supports. Over a channel, so much is left beside holes
-/// that take four fifths of it; with less, rings around the holes are held better.
+/// The same where what hangs has no supports. Over a channel, so much reaches across beside
+/// holes that take four fifths of its length.
 const PARTLY_HELD: f64 = 0.2;
 /// Greatest share of a border that hangs where the rest is held, or is held where the
 /// rest hangs: so much has a channel with open ends that is four times as long as wide.
@@ -187,8 +188,9 @@ pub fn direction(gap: &Area, below: &EdgeGrid, width: Mm) -> Option<Degrees> {
     best_direction(&directions(gap, below, width)).map(|best| best.1)
 }
 
-/// How lines run best over a gap, if they can hang there, after the span that is
-/// common among them.
+/// How lines run best over a gap, if they can hang there. Where most of them are held, the
+/// span that is common among them comes with it, else a number that means nothing: such a
+/// gap has a bridge of its own.
 fn best_way(
     gap: &Area,
     below: &EdgeGrid,
@@ -199,23 +201,38 @@ fn best_way(
         .map(|(span, angle)| (span, Way::Across(angle)));
     across.or_else(|| {
         let (narrow, _) = hanging.rings?;
-        let around = is_around_hole(gap, below, hanging.width)
-            .then_some((narrow, Way::Around));
-        if around.is_some() && !is_wider(gap, narrow, TOLERANCE) {
+        let borders = borders(gap, below, hanging.width);
+        let around = Some((0.0, Way::Around));
+        if borders.is_some() && !is_wider(gap, narrow, TOLERANCE) {
             return around;
         }
         // Most lines are not held: their spans tell nothing.
         let partly = directions.iter().filter(|d| d.1 >= PARTLY_HELD);
         best(partly.map(|&(_, held, angle)| (1.0 - held, angle)))
-            .map(|(open, angle)| (open, Way::Across(angle)))
-            .or_else(|| around.filter(|_| is_even(gap, below, hanging.width)))
+            .map(|(_, angle)| (0.0, Way::Across(angle)))
+            .or_else(|| {
+                around.filter(|_| borders.is_some_and(|b| b.are_even(below)))
+            })
     })
 }
 
-/// True if a gap lies around holes that hang, or around what holds it: each of its
-/// borders is held, or none of it is.
-fn is_around_hole(gap: &Area, below: &EdgeGrid, width: Mm) -> bool {
-    let held = |ring: &Ring| {
+/// The borders of a gap that lies around holes that hang, or around what holds it.
+struct Borders<'a> {
+    held: Vec<&'a Ring>,
+    free: Vec<&'a Ring>,
+}
+
+/// The borders of a gap; none unless each of them is held or hangs, and some do each.
+fn borders<'a>(
+    gap: &'a Area,
+    below: &EdgeGrid,
+    width: Mm,
+) -> Option<Borders<'a>> {
+    let mut borders = Borders {
+        held: Vec::new(),
+        free: Vec::new(),
+    };
+    for ring in &gap.rings {
         let (mut held, mut length) = (0.0, 0.0);
         for (a, b) in edges(ring) {
             let own = a.distance(b);
@@ -225,41 +242,37 @@ fn is_around_hole(gap: &Area, below: &EdgeGrid, width: Mm) -> bool {
                 held += own;
             }
         }
-        held / length
-    };
-    let shares: Vec<f64> = gap.rings.iter().map(held).collect();
-    let count =
-        |is: &dyn Fn(f64) -> bool| shares.iter().filter(|s| is(**s)).count();
-    let (held, free) =
-        (count(&|s| s >= 1.0 - BUT_FOR), count(&|s| s <= BUT_FOR));
-    held > 0 && free > 0 && held + free == shares.len()
+        if held >= (1.0 - BUT_FOR) * length {
+            borders.held.push(ring);
+        } else if held <= BUT_FOR * length {
+            borders.free.push(ring);
+        } else {
+            return None;
+        }
+    }
+    let both = !borders.held.is_empty() && !borders.free.is_empty();
+    both.then_some(borders)
 }
 
-/// True unless a gap hangs around stems, and its other border is not about as far from one
-/// of them everywhere: rings would end in the air.
-fn is_even(gap: &Area, below: &EdgeGrid, width: Mm) -> bool {
-    /// Greatest ratio of the distances.
-    const UNEVEN: f64 = 2.0;
-    let is_held = |ring: &&Ring| {
-        let mut all = edges(ring);
-        all.next().is_some_and(|(a, b)| {
-            let out = -(b - a).perp().normalize_or_zero();
-            holds(below, a.midpoint(b), out, width)
-        })
-    };
-    let (held, free): (Vec<&Ring>, Vec<&Ring>) =
-        gap.rings.iter().partition(is_held);
-    let stems = held.iter().filter(|ring| signed_area(ring) < 0.0);
-    match stems.count() {
-        0 => true,
-        1 if held.len() == 1 => {
-            let far = |p: &DVec2| Some(below.nearest(*p)?.1.distance(*p));
-            let far =
-                || free.iter().flat_map(|ring| ring.iter()).filter_map(far);
-            let least = far().fold(f64::INFINITY, f64::min);
-            far().fold(0.0, f64::max) <= UNEVEN * least
+impl Borders<'_> {
+    /// True unless the gap hangs around stems, and what hangs is not about as far from
+    /// one of them everywhere: rings would end in the air.
+    fn are_even(&self, below: &EdgeGrid) -> bool {
+        /// Greatest ratio of the distances.
+        const UNEVEN: f64 = 2.0;
+        let is_stem = |ring: &&&Ring| signed_area(ring) < 0.0;
+        match (self.held.iter().filter(is_stem).count(), self.held.len()) {
+            (0, _) => true,
+            (1, 1) => {
+                let free = || self.free.iter().flat_map(|ring| ring.iter());
+                let far = |p: &DVec2| Some(below.nearest(*p)?.1.distance(*p));
+                let least =
+                    free().filter_map(far).fold(f64::INFINITY, f64::min);
+                let most = free().filter_map(far).fold(0.0, f64::max);
+                most <= UNEVEN * least
+            }
+            _ => false,
         }
-        _ => false,
     }
 }
 

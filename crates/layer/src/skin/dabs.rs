@@ -81,11 +81,11 @@ pub(super) fn or_dab(
 /// A bead in the middle of a place that has the place's content, as wide as a ball in its
 /// middle, along its longest way; none if the place is too thin for it.
 fn dab(place: &Area, lay: &Lay) -> Option<Stroke> {
+    /// Number of places tried in each direction.
+    const TRIED: usize = 16;
     let [ring] = place.rings.as_slice() else {
         return None;
     };
-    /// Number of places tried in each direction.
-    const TRIED: usize = 16;
     let border = EdgeGrid::new(place, lay.width);
     let bounds = place.bounds();
     let at = |k: usize| (k as f64 + 0.5) / TRIED as f64;
@@ -174,7 +174,7 @@ mod tests {
         assert_eq!(filled(beads.clone(), 5.0).1, beads);
     }
 
-    /// The place that three walls around holes leave, and one that is a little too thin.
+    /// The place that three walls around holes leave, and one that is too small.
     #[test]
     fn a_place_without_a_middle_line_gets_one_bead_with_its_content() {
         let plan =

@@ -51,7 +51,8 @@ pub(super) struct Filler<'a> {
     pub angle: Degrees,
     pub height: Mm,
     pub plan: &'a SkinPlan,
-    /// The role of rings that hang. Supports would hold them.
+    /// The role of rings that hang: a bridge's, unless supports hold some of the layer, or
+    /// the beads of bridges are too thin.
     pub hung: Role,
 }
 

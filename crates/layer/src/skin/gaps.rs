@@ -8,8 +8,8 @@
 //!   └────┘▒└────┘▒▒     └────┘▒└─┘    and each bridge has half of the land.
 //! ```
 //!
-//! In: gaps, and the direction in which lines can hang across each one. Out:
-//! for each bridge the direction, the gaps, and the land that its lines reach
+//! In: gaps, and the way in which lines can hang over each one. Out:
+//! for each bridge the way, the gaps, and the land that its lines reach
 //! onto. Land narrower than two anchors holds both bridges beside it, so no
 //! line ends over a gap that another bridge crosses.
 

@@ -82,8 +82,8 @@ pub struct Fill {
 }
 
 /// The beads of a layer's skin, beside which `sparse` infill lies. Even layers
-/// get lines at `skin_angle`, odd ones at right angles to it. If the layer is
-/// `supported`, what hangs is left to its supports.
+/// get lines at `skin_angle`, odd ones at right angles to it. If supports hold some
+/// of the layer, what bridges do not cross is left to them.
 pub fn patches(
     skin: &Area,
     sparse: &Area,

@@ -119,8 +119,8 @@ struct Corner {
     number: usize,
     /// Across the edge, into the area.
     normal: DVec2,
-    /// How far the border turns away from the area; 0 where it turns to it.
-    turn: f64,
+    /// Sine and cosine of how far the border turns to the area.
+    turns: [f64; 2],
 }
 
 /// A ball and where it touches the other side.
@@ -202,11 +202,7 @@ impl<'a> Border<'a> {
                 at: a,
                 number,
                 normal,
-                turn: if sine < 0.0 {
-                    (-sine).atan2(cosine)
-                } else {
-                    0.0
-                },
+                turns: [sine, cosine],
             };
             very_first_corner.get_or_insert(corner);
             let count = count as usize;
@@ -339,12 +335,13 @@ impl<'a> Border<'a> {
             at,
             number,
             normal,
-            turn,
+            turns: [sine, cosine],
         } = corner;
-        let bends = turn > 0.0 && turn < FAN;
-        if !bends || before.ball.follows(&after.ball, self.grid) {
+        let bends_away = sine < 0.0 && cosine > FAN.cos();
+        if !bends_away || before.ball.follows(&after.ball, self.grid) {
             return None;
         }
+        let turn = (-sine).atan2(cosine);
         let normal = DVec2::from_angle(0.5 * turn).rotate(normal);
         let here = self.grow(at, normal, Some(before)).1?;
         for edge in [number, self.last[number] as usize] {
