@@ -2,9 +2,9 @@
 //!
 //! ```text
 //!   ╭────────────╮   the ring runs half a bead's spacing inside the area's
-//!   │ ╱╱╱╱╱╱╱╱╱╱ │   border, around holes as well; lines end half a nozzle
-//!   │ ╱╱╱╱╱╱╱╱╱╱ │   off the ring's centre line (`skin_ring_gap` more, if
-//!   ╰────────────╯   asked for), one spacing apart, turned by 90° from layer
+//!   │ ╱╱╱╱╱╱╱╱╱╱ │   border, around holes as well; lines end about half a
+//!   │ ╱╱╱╱╱╱╱╱╱╱ │   spacing off the ring's centre line (`skin_ring_gap` more,
+//!   ╰────────────╯   if asked for), one spacing apart, turned by 90° from layer
 //!                    to layer
 //! ```
 //!
