@@ -83,9 +83,9 @@ pub(super) fn facts(plan: &WriterPlan<'_>, t: &Totals) -> Vec<Fact> {
     }
     let bed = text(filament.bed_temperature.round(), COARSE);
     add(of, true, "bed_temperature", bed);
-    let first = text(filament.first_layer_nozzle_temperature.round(), COARSE);
+    let first = text(plan.nozzle_temperatures.0.round(), COARSE);
     add(of, false, "first_layer_temperature", first);
-    let first = text(filament.first_layer_bed_temperature.round(), COARSE);
+    let first = text(plan.bed_temperatures[0].round(), COARSE);
     add(of, false, "first_layer_bed_temperature", first);
     let (x, y) = (text(printer.bed_x, XYZ), text(printer.bed_y, XYZ));
     add(of, false, "bed_shape", format!("0x0,{x}x0,{x}x{y},0x{y}"));

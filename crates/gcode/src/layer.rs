@@ -221,18 +221,34 @@ impl<W: Write> Writer<'_, W> {
             return Ok(());
         };
         self.buffer.extend_from_slice(lines.as_bytes());
+        if let Some(pauses) = &mut self.pauses {
+            pauses.seen(&lines);
+        }
         if scan::may_change_modes(&lines) {
             self.modes();
-        }
-        if scan::may_move(&lines) {
-            self.xy = None;
-            self.z = None;
         }
         self.feed = None;
         self.fan = None;
         self.acceleration = None;
         self.filament.zero = None;
+        if scan::may_move(&lines) {
+            self.z = None;
+            self.go_back()?;
+        }
         Ok(())
+    }
+
+    /// Goes back across to where the machine was, if that is known, at the height at
+    /// which lines of the user's own have left it. It comes down to the layer there, as
+    /// nothing of the part is higher.
+    fn go_back(&mut self) -> Result<(), WriteError> {
+        let Some((x, y)) = self.xy.take() else {
+            return Ok(());
+        };
+        let at = DVec2::new(x as f64, y as f64) * MICRON;
+        let speed = self.plan.travel_speed;
+        let points = vec![at];
+        self.step(&PacedMove::Travel { points, speed })
     }
 
     /// Sets the temperatures of the first layer for a part that follows others.

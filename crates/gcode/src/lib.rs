@@ -39,7 +39,7 @@
 //! | `progress` | lines that need the whole print's time |
 //! | `manifest` | what a range's file says about itself; `join`, one file of the files of all ranges |
 //! | `time` | how long the file's head and foot take |
-//! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not |
+//! | `template` | the user's own lines; `placeholders`, what they may name; `scan`, what they do; `limits`, what they must not; `pauses`, what none of the layers had |
 
 #![warn(unreachable_pub)]
 
@@ -58,6 +58,7 @@ mod moves;
 mod name;
 mod number;
 mod own;
+mod pauses;
 mod placeholders;
 mod plan;
 mod progress;
@@ -90,6 +91,7 @@ use isoslice_settings::{Comments, Flavour};
 use label::Labels;
 use manifest::Record;
 use number::text;
+use pauses::Pauses;
 use progress::Waiting;
 use sink::Sink;
 use std::io::Write;
@@ -257,6 +259,8 @@ pub struct Writer<'a, W: Write> {
     /// What a range's file will say about itself.
     record: Option<Record>,
     warnings: Vec<String>,
+    /// Pauses that no layer has had, if the file is that of the whole part.
+    pauses: Option<Pauses>,
     /// Text that has not been handed on.
     buffer: Vec<u8>,
     totals: Totals,
@@ -320,6 +324,7 @@ impl<'a, W: Write> Writer<'a, W> {
             waiting,
             record: Record::new(&plan, header),
             warnings: Vec::new(),
+            pauses: whole.then(|| Pauses::of(plan.templates[2])),
             buffer: Vec::with_capacity(2 * FULL),
             totals: Totals::default(),
             extra: 0.0,
@@ -355,6 +360,11 @@ impl<'a, W: Write> Writer<'a, W> {
     /// What the user should know about the templates.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
+    }
+
+    /// What the user should know about the templates after the last layer.
+    pub fn warnings_of_layers(&self) -> impl Iterator<Item = String> {
+        self.pauses.iter().flat_map(Pauses::missed)
     }
 
     /// Writes a layer.

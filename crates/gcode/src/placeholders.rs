@@ -86,17 +86,16 @@ pub(crate) const PLACEHOLDERS: &[Placeholder] = placeholders![
         |k| {
             // An expression of the temperature holds above the first layer
             // only.
-            let filament = &k.plan.filament;
-            let above = filament.nozzle_temperature.constant();
-            number(above.unwrap_or(filament.first_layer_nozzle_temperature))
+            let (first, above) = k.plan.nozzle_temperatures;
+            number(above.unwrap_or(first))
         };
     All "first_layer_nozzle_temperature",
         "nozzle temperature of the first layer, °C",
-        |k| number(k.plan.filament.first_layer_nozzle_temperature);
+        |k| number(k.plan.nozzle_temperatures.0);
     All "bed_temperature", "bed temperature, °C",
-        |k| number(k.plan.filament.bed_temperature);
+        |k| number(k.plan.bed_temperatures[1]);
     All "first_layer_bed_temperature", "bed temperature of the first layer, °C",
-        |k| number(k.plan.filament.first_layer_bed_temperature);
+        |k| number(k.plan.bed_temperatures[0]);
     All "layer_count", "number of layers of the part",
         |k| number(k.header.layer_count as f64);
     All "bed_x", "width of the bed, mm",
@@ -139,6 +138,8 @@ pub(crate) const PLACEHOLDERS: &[Placeholder] = placeholders![
         |k| number(k.moment.number as f64);
     Layer "layer_z", "height of the layer's top above the bed, mm",
         |k| length(k.moment.z);
+    Layer "layer_bottom", "height of the layer's bottom above the bed, mm",
+        |k| length(k.moment.z - k.moment.height);
     Layer "layer_thickness", "thickness of this layer, mm",
         |k| length(k.moment.height);
     End "print_time", "estimated time, without heating and homing: 1h 2m 3s",
@@ -175,7 +176,7 @@ pub(super) fn of_settings(plan: &WriterPlan<'_>) -> BTreeMap<String, Value> {
     let names: Vec<_> = setting_names().collect();
     for key in keys().iter().filter(|k| names.contains(&k.name)) {
         let value = plan
-            .length(key)
+            .number(key)
             .map_or_else(|| from_toml(&plan.value(key)), number);
         match key.name.split_once('.') {
             Some((group, leaf)) => {

@@ -110,11 +110,11 @@ impl<'a> WriterPlan<'a> {
             pressure_advance: filament.pressure_advance,
             filament_area: filament_area(filament.diameter),
             nozzle_temperatures: (
-                filament.first_layer_nozzle_temperature,
+                s.first_layer_nozzle_temperature(),
                 filament.nozzle_temperature.constant(),
             ),
             bed_temperatures: [
-                filament.first_layer_bed_temperature,
+                s.first_layer_bed_temperature(),
                 filament.bed_temperature,
             ],
             thickest: thickest(s),
@@ -126,9 +126,18 @@ impl<'a> WriterPlan<'a> {
         key.get(self.all)
     }
 
-    /// The value of a setting that is a length, mm, whatever it is given in.
-    pub(super) fn length(&self, key: &Key) -> Option<Mm> {
-        key.length(self.all)
+    /// The number that a setting stands for if it is a share or left to isoslice: mm,
+    /// or °C.
+    pub(super) fn number(&self, key: &Key) -> Option<f64> {
+        key.length(self.all).or(match key.name {
+            "filament.first_layer_nozzle_temperature" => {
+                Some(self.nozzle_temperatures.0)
+            }
+            "filament.first_layer_bed_temperature" => {
+                Some(self.bed_temperatures[0])
+            }
+            _ => None,
+        })
     }
 
     /// The settings that differ from the defaults, as TOML.

@@ -578,6 +578,39 @@ fn a_layers_own_temperature_has_the_last_word() {
 }
 
 #[test]
+fn after_a_layers_own_moves_the_head_goes_across_before_it_comes_down() {
+    let park = "gcode.layer={% if layer_bottom > 0 %}\nG1 Z40\nG1 X10 Y200 \
+                F6000\nM0\n{% endif %}";
+    let (text, _) = written(&[park], tiny());
+    let (before, after) = text.split_once("\nM0\n").expect("a pause");
+    assert!(!after.contains("\nM0\n"), "{text}");
+    let mut printed = before.lines().rev();
+    let last = printed.find(|l| l.starts_with("G1 X") && l.contains(" E"));
+    let (last, _) = last.and_then(|l| l.split_once(" E")).expect("a bead");
+    let mut moves = after.lines().filter(|l| l.starts_with("G1 "));
+    let across = moves.next().expect("a move");
+    assert_eq!(across.split_once(" F"), Some((last, "9000")), "{after}");
+    let down = moves.next().expect("a move");
+    assert!(down.starts_with("G1 Z"), "{after}");
+}
+
+#[test]
+fn the_first_layer_is_as_hot_as_the_others_ask_for() {
+    let hot = [
+        "filament.nozzle_temperature=250",
+        "filament.bed_temperature=90",
+    ];
+    let start = "gcode.start=; {{ filament.first_layer_nozzle_temperature }} \
+                 {{ first_layer_bed_temperature }}";
+    let (text, _) = written(&[hot[0], hot[1], start], tiny());
+    assert!(text.contains("; 255 90\n"), "{text}");
+    assert!(
+        text.contains("M109 S255") && text.contains("M190 S90"),
+        "{text}"
+    );
+}
+
+#[test]
 fn what_is_no_number_is_an_error() {
     let s = settings(&[]);
     for bad in [f64::NAN, f64::INFINITY, 1e200] {

@@ -145,11 +145,13 @@ impl<'a, 'w> Exit<'a, 'w> {
     pub(super) fn finish(self) -> Result<Done, SliceError> {
         let Counts { parts, figures, .. } = self.counts;
         let text = self.text;
+        let mut warnings = self.pacing.warnings;
+        warnings.extend(text.writer.warnings_of_layers());
         Ok(Done {
             parts: parts.into_iter().map(PartSums::finish).collect(),
             sums: text.sums,
             extruded: text.extruded,
-            warnings: self.pacing.warnings,
+            warnings,
             totals: text.writer.finish()?,
             figures,
         })

@@ -46,7 +46,7 @@ pub(super) fn header(
         timestamp: run.options.timestamp,
         nozzle_temperature: match spans.get(job.extent.layers.start) {
             Some(span) => rater.temperature(span)?,
-            None => plate.settings.filament.first_layer_nozzle_temperature,
+            None => plate.settings.first_layer_nozzle_temperature(),
         },
         part_min: low,
         part_max: high,

@@ -258,6 +258,30 @@ impl Settings {
         matches!(self.infill, Infill::Pattern(_))
     }
 
+    /// Temperature of the nozzle on the first layer:
+    /// `filament.first_layer_nozzle_temperature` if set, else a little more than
+    /// above it, as the first layer has to stick to the bed.
+    pub fn first_layer_nozzle_temperature(&self) -> Celsius {
+        const MORE: Celsius = 5.0;
+        const USUAL: Celsius = 215.0;
+        let filament = &self.filament;
+        let auto = || {
+            let above = filament.nozzle_temperature.constant();
+            // No hotter than the machine bears, unless the layers above are.
+            let most = self.max_nozzle_temperature();
+            above.map_or(USUAL, |above| (above + MORE).min(most.max(above)))
+        };
+        filament.first_layer_nozzle_temperature.unwrap_or_else(auto)
+    }
+
+    /// Temperature of the bed on the first layer:
+    /// `filament.first_layer_bed_temperature` if set, else that above it.
+    pub fn first_layer_bed_temperature(&self) -> Celsius {
+        let filament = &self.filament;
+        let first = filament.first_layer_bed_temperature;
+        first.unwrap_or(filament.bed_temperature)
+    }
+
     /// Least temperature of the nozzle at which plastic is pushed:
     /// `filament.min_nozzle_temperature` if set, otherwise the one below which
     /// Marlin (`EXTRUDE_MINTEMP`) and Klipper (`min_extrude_temp`) refuse to

@@ -604,12 +604,15 @@ table::settings! {
         /// Least temperature of the nozzle at which plastic is pushed; auto
         /// is 170, below which most firmware refuses to.
         min_nozzle_temperature: Option<Celsius> = None, in 0.0..=600.0;
-        /// Temperature of the nozzle on the first layer.
-        first_layer_nozzle_temperature: Celsius = 215.0, in 1.0..=600.0;
+        /// Temperature of the nozzle on the first layer; auto is 5 °C more than
+        /// nozzle_temperature, or 215 °C if that is an expression.
+        first_layer_nozzle_temperature: Option<Celsius> = None,
+            in 1.0..=600.0;
         /// Temperature of the bed above the first layer; 0 for no heating.
         bed_temperature: Celsius = 60.0, in 0.0..=250.0;
-        /// Temperature of the bed on the first layer; 0 for no heating.
-        first_layer_bed_temperature: Celsius = 60.0, in 0.0..=250.0;
+        /// Temperature of the bed on the first layer; 0 for no heating, auto for
+        /// that of bed_temperature.
+        first_layer_bed_temperature: Option<Celsius> = None, in 0.0..=250.0;
     }
     /// The machine.
     printer: Printer {

@@ -120,6 +120,11 @@ impl As {
         given: &Given<'_>,
         key: &str,
     ) -> Result<Option<Value>, String> {
+        // G-code is one value, whatever commas and semicolons are in it.
+        if let As::Template = self {
+            let whole = given.values.text(key).filter(|code| !code.is_empty());
+            return Ok(whole.map(Value::from));
+        }
         let Some(text) = given.values.first(key) else {
             return Ok(None);
         };
@@ -162,12 +167,7 @@ impl As {
                 })?;
                 value_of(word)
             }
-            As::Name => Some(text.into()),
-            As::Template => {
-                let whole = given.values.text(key).unwrap_or("");
-                let whole = whole.trim();
-                (!whole.is_empty()).then(|| whole.into())
-            }
+            As::Name | As::Template => Some(text.into()),
         })
     }
 }

@@ -76,11 +76,14 @@ pub(super) struct ImportArgs {
 pub(super) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     let own = own::read(&args.file)?;
     let has_few = matches!(own, Some(Own::Nothing));
-    let mut import = if let Some(Own::Given(settings)) = own {
+    let mut import = if let Some(Own::Given(settings, is_profile)) = own {
         if args.list {
             return plain::print(ONE_PROFILE);
         }
-        Import::of_own(&args.file, settings)
+        let mut import = Import::of_own(&args.file, settings);
+        // What is put among the profiles becomes one.
+        import.as_settings = args.output.is_some() && !is_profile;
+        import
     } else {
         let source = Source::open(&args.file, &args.beside)?;
         if args.list {
@@ -152,6 +155,8 @@ struct Import {
     kept: Vec<(PresetKind, &'static str, String)>,
     /// Contradictions in the settings, and warnings about them.
     remarks: Vec<String>,
+    /// True if a settings file is written, not a profile: it was one before.
+    as_settings: bool,
 }
 
 impl Import {
@@ -211,6 +216,7 @@ impl Import {
             translation,
             kept: Vec::new(),
             remarks: Vec::new(),
+            as_settings: false,
         }
     }
 
@@ -364,9 +370,11 @@ impl Import {
             none if none.is_empty() => self.shown.clone(),
             names => one_line(&names.join(", ")),
         };
-        let description = format!("{name}, from {}", self.maker);
-        let description = toml::Value::String(description);
-        writeln!(text, "description = {description}")?;
+        if !self.as_settings {
+            let description = format!("{name}, from {}", self.maker);
+            let description = toml::Value::String(description);
+            writeln!(text, "description = {description}")?;
+        }
         let mut all: Vec<&Setting> = Vec::new();
         for setting in t.settings.iter().filter(|s| of.contains(&s.kind)) {
             all.retain(|s| s.name != setting.name);
@@ -403,11 +411,7 @@ impl Import {
                     text,
                     "\n# {name}, which isoslice could not translate. Until it \
                      is mended here,\n# the print {}:",
-                    match *name {
-                        "gcode.start" => "begins with homing only",
-                        "gcode.end" => "ends with isoslice's own lines",
-                        _ => "goes on without it",
-                    }
+                    without(name)
                 )?;
                 for line in template.lines() {
                     writeln!(text, "#   {}", one_line(line))?;
@@ -415,6 +419,15 @@ impl Import {
             }
         }
         Ok(text)
+    }
+}
+
+/// What a print does without one of its templates.
+fn without(template: &str) -> &'static str {
+    match template {
+        "gcode.start" => "begins with homing only",
+        "gcode.end" => "ends with isoslice's own lines",
+        _ => "goes on without it",
     }
 }
 

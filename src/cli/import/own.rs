@@ -16,11 +16,15 @@ pub(super) const MAKER: &str = "isoslice";
 
 /// What a file of isoslice's own has.
 pub(super) enum Own {
-    /// The settings that differ from the defaults.
-    Given(Translation),
+    /// The settings that differ from the defaults, and whether the file is a profile: it
+    /// describes itself.
+    Given(Translation, bool),
     /// None of them: an older version wrote the file, or one without comments.
     Nothing,
 }
+
+/// The key of a profile that is no setting.
+const DESCRIPTION: &str = "description";
 
 /// What a file has, if it is one of isoslice's own.
 ///
@@ -38,7 +42,8 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
             Builder::new().toml(&name, &text)?;
             bail!("{name} is no settings file");
         };
-        return Ok(Some(Own::Given(translation(table))));
+        let describes = table.contains_key(DESCRIPTION);
+        return Ok(Some(Own::Given(translation(table), describes)));
     }
     if !["gcode", "gco", "g"].contains(&&*ending) {
         return Ok(None);
@@ -52,7 +57,7 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
     let table: toml::Table = settings.parse().with_context(|| {
         format!("{}: its settings are damaged", file.display())
     })?;
-    Ok(Some(Own::Given(translation(table))))
+    Ok(Some(Own::Given(translation(table), false)))
 }
 
 /// The settings as an import has them.
@@ -62,7 +67,7 @@ fn translation(table: toml::Table) -> Translation {
     let mut given: BTreeMap<String, toml::Value> =
         flat(table).into_iter().map(now).collect();
     // The new profile has one of its own.
-    given.remove("description");
+    given.remove(DESCRIPTION);
     for key in keys() {
         let (group, _) = key.name.split_once('.').unwrap_or(("", key.name));
         let value = match given.get(key.name) {

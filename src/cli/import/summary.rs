@@ -3,7 +3,7 @@
 use super::super::plain;
 use super::super::rows::counted;
 use super::words::{shortened, shown};
-use super::{Import, Written, ours, own};
+use super::{Import, Written, ours, own, without};
 use slicerprofile::Left;
 use std::fmt::Write as _;
 
@@ -89,11 +89,20 @@ impl Import {
         for remark in &self.remarks {
             let _ = writeln!(out, "note: {}", plain::line(remark));
         }
+        for (_, template, _) in &self.kept {
+            let _ = writeln!(
+                out,
+                "warning: {template} could not be translated and stands in the file \
+                 as a comment only: until you mend it there, the print {}",
+                without(template)
+            );
+        }
         if !written.is_empty() {
             let options: Vec<String> = written
                 .iter()
                 .map(|(kind, name, _)| {
                     let word = ours(*kind).name();
+                    let word = if self.as_settings { "config" } else { word };
                     format!("--{word} {}", plain::value(name))
                 })
                 .collect();

@@ -3,9 +3,8 @@
 //! print they are mistakes, since they would reach the printer unchanged. In a
 //! comment they do no harm.
 
-use super::error::meant;
 use super::pieces::TemplatePiece;
-use crate::placeholders::Scope;
+use crate::placeholders::{self, Scope};
 
 /// What to write for text that only looks like a placeholder.
 const AS_IT_IS: &str = "if it is meant for the printer, put it between {% raw \
@@ -54,18 +53,16 @@ pub(super) fn foreign(
 /// What to do about a placeholder.
 fn told(given: &str, scope: Scope) -> String {
     let name = given[1..given.len() - 1].trim();
-    let name = name
-        .split(|c: char| !(c.is_alphanumeric() || c == '_'))
-        .next();
-    let near = name.and_then(|name| meant(name, scope));
-    let near = near.map_or_else(String::new, |near| {
-        format!(", and the nearest of isoslice's is {{{{ {near} }}}}")
+    // A name that is only alike may mean another thing in another slicer.
+    let own = placeholders::names(scope).find(|known| *known == name);
+    let own = own.map_or_else(String::new, |own| {
+        format!(", and isoslice's own of that name is {{{{ {own} }}}}")
     });
     let given: String = given.chars().take(60).collect();
     format!(
         "{given} is another slicer's placeholder, and would reach the printer \
          as it is: `isoslice profiles import` translates profiles and settings \
-         files with such placeholders{near}; {AS_IT_IS}"
+         files with such placeholders{own}; {AS_IT_IS}"
     )
 }
 

@@ -326,7 +326,7 @@ pub fn try_templates(plan: &WriterPlan<'_>) -> Vec<TemplateError> {
         layer_count: 100,
         layers: 0..100,
         timestamp: None,
-        nozzle_temperature: plan.filament.first_layer_nozzle_temperature,
+        nozzle_temperature: plan.nozzle_temperatures.0,
         part_min: glam::DVec3::new(x - 10.0, y - 10.0, 0.0),
         part_max: glam::DVec3::new(x + 10.0, y + 10.0, 20.0),
         parts: Vec::new(),

@@ -245,7 +245,8 @@ pub fn place(
     {
         warnings.push(format!(
             "the part is only {largest:.3} mm large; if it is drawn in other \
-             units than millimetres, give --size or --scale"
+             units than millimetres, give --size or --scale (--scale 25.4 for \
+             inches)"
         ));
     }
     let offset = offset(&bounds, placement, volume)?;

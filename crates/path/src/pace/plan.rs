@@ -82,7 +82,7 @@ impl PacePlan {
                 (Role::Ironing, s.ironing_flow()),
             ],
             bead_width: s.bead_width.clone(),
-            first_temperature: filament.first_layer_nozzle_temperature,
+            first_temperature: s.first_layer_nozzle_temperature(),
             temperature: filament.nozzle_temperature.clone(),
             temperatures: Range::between(
                 s.min_nozzle_temperature(),

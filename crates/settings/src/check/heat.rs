@@ -9,6 +9,9 @@ use super::{Conflict, conflict};
 use crate::Settings;
 use isoslice_base::units::Celsius;
 
+const FIRST_NOZZLE: &str = "filament.first_layer_nozzle_temperature";
+const FIRST_BED: &str = "filament.first_layer_bed_temperature";
+
 /// One temperature that is set.
 struct Set {
     key: &'static str,
@@ -36,18 +39,51 @@ pub(super) fn temperatures(s: &Settings) -> Result<(), Conflict> {
         part: "bed",
     };
     let first = filament.first_layer_nozzle_temperature;
-    let first = nozzle("filament.first_layer_nozzle_temperature", first);
+    let first = first.map(|t| nozzle(FIRST_NOZZLE, t));
     let above = filament.nozzle_temperature.constant();
     let above = above.map(|t| nozzle("filament.nozzle_temperature", t));
-    for set in [&first].into_iter().chain(&above) {
+    for set in first.iter().chain(&above) {
         warm_enough(s, set)?;
         cool_enough(set)?;
     }
-    cool_enough(&bed(
-        "filament.first_layer_bed_temperature",
-        filament.first_layer_bed_temperature,
-    ))?;
+    if let Some(first) = filament.first_layer_bed_temperature {
+        cool_enough(&bed(FIRST_BED, first))?;
+    }
     cool_enough(&bed("filament.bed_temperature", filament.bed_temperature))
+}
+
+/// Warns of a first layer that is much hotter or colder than the others, as it is where
+/// somebody sets one of the two and a profile the other.
+pub(super) fn first_layer(s: &Settings, warnings: &mut Vec<String>) {
+    /// Profiles of filaments differ by up to 15 °C.
+    const MOST: Celsius = 15.0;
+    let filament = &s.filament;
+    let pairs = [
+        (
+            FIRST_NOZZLE,
+            s.first_layer_nozzle_temperature(),
+            "filament.nozzle_temperature",
+            filament.nozzle_temperature.constant(),
+        ),
+        (
+            FIRST_BED,
+            s.first_layer_bed_temperature(),
+            "filament.bed_temperature",
+            Some(filament.bed_temperature),
+        ),
+    ];
+    for (key, first, above_key, above) in pairs {
+        if let Some(above) = above
+            && above > 0.0
+            && first > 0.0
+            && (first - above).abs() > MOST
+        {
+            warnings.push(format!(
+                "{key} = {first} °C is far from {above_key} = {above} °C, and holds \
+                 on the first layer; set both, or the first to auto"
+            ));
+        }
+    }
 }
 
 fn warm_enough(s: &Settings, set: &Set) -> Result<(), Conflict> {

@@ -14,10 +14,10 @@ use super::error::{GivenIn, GivenPlaces};
 use super::firmware::Retraction;
 use super::idle::Reason;
 use super::value::round;
-use super::{BrimPlace, DraftShield, Settings, WallOffset};
+use super::{BrimPlace, DraftShield, Flavour, Settings, WallOffset};
 use super::{Key, keys};
 use beads::{heights, sampling, shares, widths};
-use heat::temperatures;
+use heat::{first_layer, temperatures};
 use speeds::too_fast;
 
 /// Settings that cannot be printed with.
@@ -56,6 +56,8 @@ pub(super) fn conflicts(
     uneven_growth(s)?;
     retraction(s, &mut warnings)?;
     temperatures(s)?;
+    first_layer(s, &mut warnings);
+    arcs(s, places, &mut warnings);
     total_flow(s, &mut warnings);
     share_of_one(s, &mut warnings);
     let given =
@@ -63,6 +65,20 @@ pub(super) fn conflicts(
     too_fast(s, &given, &mut warnings);
     without_effect(s, places, &mut warnings);
     Ok(warnings)
+}
+
+/// Warns of arcs that a Klipper may not know. Whoever has made sure of it writes them
+/// into the printer's profile.
+fn arcs(s: &Settings, places: &GivenPlaces, warnings: &mut Vec<String>) {
+    let given = places.get("gcode.arcs").is_some_and(|at| at.is_given());
+    if s.gcode.arcs && given && s.gcode.flavour == Flavour::Klipper {
+        warnings.push(
+            "gcode.arcs = true needs [gcode_arcs] in printer.cfg, best with \
+             resolution: 0.1; a Klipper without it leaves out every arc, and prints \
+             what is between them"
+                .to_owned(),
+        );
+    }
 }
 
 fn total_flow(s: &Settings, warnings: &mut Vec<String>) {

@@ -273,6 +273,21 @@ mod tests {
         all.join("; ")
     }
 
+    /// A comma or a semicolon parts the values of several extruders, but not G-code.
+    #[test]
+    fn gcode_may_begin_with_a_comment() {
+        for (slicer, key) in [
+            (Slicer::Prusa, "start_gcode"),
+            (Slicer::Orca, "machine_start_gcode"),
+            (Slicer::Cura, "machine_start_gcode"),
+        ] {
+            let of = |code: &str| settings(slicer, &format!("{key}={code}"));
+            assert_eq!(of(";= A1 =\nG28"), "gcode.start=;= A1 =\nG28");
+            assert_eq!(of("G28 ; home, all"), "gcode.start=G28 ; home, all");
+            assert_eq!(of(""), "");
+        }
+    }
+
     /// What is only like the pattern that was asked for is said.
     #[test]
     fn patterns_that_become_others_are_named() {

@@ -231,13 +231,16 @@ fn placeholders_of_other_slicers_are_mistakes_in_a_print() {
         assert!(error.contains("{% raw %}"), "{source}: {error}");
         error
     };
-    let e = refused("G28 ; [a] {b}\nM104 S[first_layer_nozzle_temp]");
+    let e = refused("G28 ; [a] {b}\nM104 S[first_layer_nozzle_temperature]");
     assert!(
         e.starts_with("gcode.start, line 2, column 7: [first"),
         "{e}"
     );
     assert!(e.contains("`isoslice profiles import`"), "{e}");
     assert!(e.contains("{{ first_layer_nozzle_temperature }}"), "{e}");
+    // What is only alike may mean another thing.
+    let e = refused("M104 S{material_print_temperature_layer_0}");
+    assert!(!e.contains("isoslice's own"), "{e}");
     let e = refused("; { [x]\n{if layer_num==1}\nG28{endif}");
     assert!(e.starts_with("gcode.start, line 2, column 1: {if"), "{e}");
     let e = refused("M117 {{ layer_count }}[{layer_zz}]");
