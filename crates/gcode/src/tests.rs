@@ -587,7 +587,8 @@ fn after_a_layers_own_moves_the_head_goes_across_before_it_comes_down() {
     let mut printed = before.lines().rev();
     let last = printed.find(|l| l.starts_with("G1 X") && l.contains(" E"));
     let (last, _) = last.and_then(|l| l.split_once(" E")).expect("a bead");
-    let mut moves = after.lines().filter(|l| l.starts_with("G1 "));
+    let travels = |l: &&str| l.starts_with("G1 X") || l.starts_with("G1 Z");
+    let mut moves = after.lines().filter(travels);
     let across = moves.next().expect("a move");
     // A line says only what changes.
     let same = last.split(' ').all(|word| across.contains(word));
