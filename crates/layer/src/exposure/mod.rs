@@ -489,10 +489,26 @@ fn less(area: &Area, islands: &[Area]) -> Area {
         if inside == part {
             Vec::new()
         } else {
-            difference(&part, &inside).rings
+            without_hairlines(difference(&part, &inside)).rings
         }
     });
     rings.collect()
+}
+
+/// An area without the strips that rounding leaves where two borders run along each
+/// other. Around a sparse area such a strip would make skin of all that it encloses,
+/// for whoever looks at its outer border alone.
+fn without_hairlines(area: Area) -> Area {
+    /// Radius of the largest disc in such a strip, mm.
+    const HAIR: Mm = 1e-3;
+    /// Content from which on strips matter, mm²: sharp corners lose less.
+    const LEAST: f64 = 1e-5;
+    let rest = opened(&area, HAIR, HAIR);
+    if area.content() - rest.content() > LEAST {
+        rest
+    } else {
+        area
+    }
 }
 
 /// Least width of sparse infill between walls, in its lines.

@@ -1,7 +1,9 @@
-//! Small islands of sparse infill that no line crosses.
+//! Small islands of sparse infill, which are filled solid.
 //!
 //! In: a layer's skin and sparse area, and the beads of its infill. Out: the
-//! areas, with such islands as skin, since what is above them would rest on
+//! areas, with such islands as skin. An island that is smaller than the infill's
+//! meshes has a line or none by chance: of equal pins some would be hollow, and each of
+//! them in some layers only. What is above an island without a line would rest on
 //! nothing.
 
 use super::InfillPlan;
@@ -12,17 +14,34 @@ use isoslice_planar::bead::Bead;
 use isoslice_planar::clip::union;
 use isoslice_planar::nest::Nest;
 
+/// Content of a square with a side of one spacing of the infill's lines; none where the
+/// density varies, or the pattern is an expression: no spacing then tells which islands
+/// are small.
+fn mesh(plan: &InfillPlan) -> Option<Mm2> {
+    let percent = plan.density.constant().filter(|p| *p > 0.0);
+    let percent = percent.filter(|_| !plan.is_own())?;
+    Some((plan.width / (percent / 100.0)).powi(2))
+}
+
+/// Makes skin of the islands of sparse infill that are smaller than a mesh.
+pub fn fill_small(areas: &mut FillAreas, plan: &InfillPlan) {
+    /// An island of that content stays sparse, however wide the meshes are, mm².
+    const MOST: Mm2 = 50.0;
+    let Some(mesh) = mesh(plan) else {
+        return;
+    };
+    make_skin(areas, |_, island| island.content() < mesh.min(MOST));
+}
+
 /// Makes skin of the islands of sparse infill in which no line of `infill`
-/// lies, if they are small. Does nothing where the density varies, or the
-/// pattern is an expression: no spacing then tells which islands are small.
+/// lies, if they are small.
 pub fn fill_bare(areas: &mut FillAreas, infill: &[Bead], plan: &InfillPlan) {
     /// A small island is no larger than a square of so many spacings.
     const SIDE: f64 = 2.0;
-    let share = match plan.density.constant() {
-        Some(percent) if percent > 0.0 && !plan.is_own() => percent / 100.0,
-        _ => return,
+    let Some(mesh) = mesh(plan) else {
+        return;
     };
-    let most: Mm2 = (SIDE * plan.width / share).powi(2);
+    let most = SIDE * SIDE * mesh;
     let islands = areas.sparse.islands();
     let is_small = |island: &Area| island.content() < most;
     if !islands.iter().any(is_small) {
@@ -38,17 +57,21 @@ pub fn fill_bare(areas: &mut FillAreas, infill: &[Bead], plan: &InfillPlan) {
             }
         }
     }
-    let (bare, rest): (Vec<_>, Vec<_>) = islands
-        .into_iter()
-        .zip(has)
-        .partition(|(island, has)| !has && is_small(island));
-    if bare.is_empty() {
+    make_skin(areas, |i, island| !has[i] && is_small(island));
+}
+
+/// Makes skin of the islands of the sparse area, by their numbers, that are to be.
+fn make_skin(areas: &mut FillAreas, is: impl Fn(usize, &Area) -> bool) {
+    let islands = areas.sparse.islands().into_iter().enumerate();
+    let (solid, rest): (Vec<_>, Vec<_>) =
+        islands.partition(|(i, island)| is(*i, island));
+    if solid.is_empty() {
         return;
     }
-    let [bare, rest] = [bare, rest].map(|islands| {
-        islands.into_iter().flat_map(|(i, _)| i.rings).collect()
+    let [solid, rest] = [solid, rest].map(|islands| {
+        islands.into_iter().flat_map(|(_, i)| i.rings).collect()
     });
-    areas.skin = union(&areas.skin, &bare);
+    areas.skin = union(&areas.skin, &solid);
     areas.sparse = rest;
 }
 
@@ -90,5 +113,24 @@ mod tests {
         assert!((found.skin.content() - skin).abs() < 1e-6);
         // Nobody wants lines there.
         assert_eq!(filled(0.0), areas);
+    }
+
+    #[test]
+    fn islands_smaller_than_a_mesh_become_skin_wherever_lines_are() {
+        // Meshes of 3 mm; of 45 mm, which are too large for it.
+        for (density, solid) in [(15.0, 2.9), (1.0, 7.0)] {
+            let plan = plan_with(InfillPlan::of, |s| {
+                s.infill_density = density.into()
+            });
+            for (side, sparse) in [(solid, false), (solid + 0.2, true)] {
+                let mut areas = FillAreas {
+                    skin: Area::EMPTY,
+                    sparse: rect(0.0, 0.0, side, side),
+                };
+                fill_small(&mut areas, &plan);
+                assert_eq!(areas.skin.is_empty(), sparse, "{density} {side}");
+                assert_eq!(areas.sparse.is_empty(), !sparse);
+            }
+        }
     }
 }

@@ -37,7 +37,7 @@ pub mod standing;
 pub mod told;
 mod triangles;
 
-pub use bare::fill_bare;
+pub use bare::{fill_bare, fill_small};
 pub use plan::InfillPlan;
 
 use glam::DVec2;

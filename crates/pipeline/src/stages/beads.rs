@@ -36,7 +36,9 @@ impl Stages<'_> {
             return Ok((beads, FillAreas::default()));
         }
         let mut areas = self.timings.time(Stage::Skin, || {
-            self.exposure.split(&walls.fill, roomy, view)
+            let mut areas = self.exposure.split(&walls.fill, roomy, view);
+            infill::fill_small(&mut areas, &self.plans.infill);
+            areas
         });
         let infill = self.infill_in(&areas.sparse, here)?;
         self.timings.time(Stage::Skin, || {
