@@ -501,10 +501,10 @@ fn less(area: &Area, islands: &[Area]) -> Area {
 fn without_hairlines(area: Area) -> Area {
     /// Radius of the largest disc in such a strip, mm.
     const HAIR: Mm = 1e-3;
-    /// Content from which on strips matter, mm²: sharp corners lose less.
-    const LEAST: f64 = 1e-5;
+    /// Length of the border from which on strips matter, mm: corners lose less.
+    const LEAST: Mm = 0.1;
     let rest = opened(&area, HAIR, HAIR);
-    if area.content() - rest.content() > LEAST {
+    if area.perimeter() - rest.perimeter() > LEAST {
         rest
     } else {
         area
@@ -591,6 +591,26 @@ mod tests {
         assert_eq!(f.skin, fill);
         let beyond = split_under(&fill, &[], &[], 1, plan);
         assert_eq!(beyond.skin, fill);
+    }
+
+    #[test]
+    fn hairlines_around_sparse_infill_are_no_skin() {
+        let point = |(x, y)| glam::DVec2::new(x, y);
+        // The end of a rib of 1.5 mm, as rounding has left it.
+        let ring = [
+            (10.95358, 0.76438),
+            (-12.07337, 0.76659),
+            (10.22058, 0.76445),
+            (10.22057, -0.76431),
+            (-11.77716, -0.76222),
+            (10.95358, -0.76438),
+        ];
+        let area = Area::from(ring.map(point).to_vec());
+        let rest = without_hairlines(area.clone());
+        assert!(rest.bounds().min.x > 10.2, "{rest:?}");
+        assert!((rest.content() - area.content()).abs() < 1e-4);
+        let whole = rect(0.0, 0.0, 1.0, 2.0);
+        assert_eq!(without_hairlines(whole.clone()), whole);
     }
 
     #[test]
