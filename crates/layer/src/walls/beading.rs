@@ -19,6 +19,7 @@
 
 use super::Lay;
 use super::medial_axis::Axis;
+use super::web;
 use isoslice_base::units::Mm;
 
 /// Factor by which a single bead goes on narrower than its bound.
@@ -355,7 +356,10 @@ impl Beadings {
         for (number, part) in &mut parts {
             if let Some(c) = self.beadings.get(*number) {
                 let most = c.range.1.max(c.short.1);
-                part.thickness.iter_mut().for_each(|t| *t = t.min(most));
+                // The bead of a web is as narrow as a bead may be.
+                let least = if *number == 1 { c.range.0 } else { 0.0 };
+                let fits = |t: &mut Mm| *t = t.max(least).min(most);
+                part.thickness.iter_mut().for_each(fits);
             }
         }
         parts.retain(|(number, _)| *number < few);
@@ -386,6 +390,7 @@ impl Beadings {
             let stop = |n: usize| if stops(n) { STOP } else { 0.0 };
             let mut numbers = self.cheapest(axis, &costs, stop, stop).1;
             self.lead_on(axis, &tips, &mut numbers);
+            self.lay_webs(axis, &mut numbers);
             return numbers;
         }
         // The way round ends with the number that it begins with.
@@ -394,9 +399,24 @@ impl Beadings {
             let t = axis.thickness.first().copied().unwrap_or_default();
             self.cheapest(axis, &costs, begin, |n| self.border(n, first, t))
         });
-        round
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map_or_else(Vec::new, |best| best.1)
+        let best = round.min_by(|a, b| a.0.total_cmp(&b.0));
+        let mut numbers = best.map_or_else(Vec::new, |best| best.1);
+        self.lay_webs(axis, &mut numbers);
+        numbers
+    }
+
+    /// Thicknesses from which on a single bead is laid, and the loop of the first wall
+    /// closes; nothing inside of that wall, where nothing falls apart.
+    pub(super) fn of_webs(&self) -> Option<[Mm; 2]> {
+        self.tips?;
+        let [none, _, two] = self.beadings.first_chunk()?;
+        Some([none.upto, two.short.0])
+    }
+
+    fn lay_webs(&self, axis: &Axis, numbers: &mut [usize]) {
+        if let Some([bead, _]) = self.of_webs() {
+            web::lay(axis, bead, numbers);
+        }
     }
 
     /// The numbers whose costs together are the least, and these costs.

@@ -37,6 +37,7 @@ mod shared;
 mod stitching;
 mod tip;
 mod tops;
+mod web;
 mod widen;
 
 use beading::Beadings;
@@ -281,7 +282,14 @@ impl<'a> Skeleton<'a> {
         let limit = beadings.limit();
         let ends = points(self.ends(limit), limit);
         let bends = |part: &Axis| is_bend(part, self.solid.grid(), &ends);
-        let parts = self.axes.iter().flat_map(|r| beadings.split(r, &bends));
+        let webs = beadings.of_webs();
+        let parts = self.axes.iter().flat_map(|r| match webs {
+            Some(webs) => {
+                let axis = web::led_on(r.clone(), self.solid.grid(), webs);
+                beadings.split(&axis, &bends)
+            }
+            None => beadings.split(r, &bends),
+        });
         ThinPlaces(parts.collect())
     }
 

@@ -1,0 +1,238 @@
+//! Webs: short places between thicker ones that are too thin for a bead.
+//!
+//! ```text
+//!   ━━━━━━━━╮        ╭━━━━━━━   Two teeth hang together by a web of 0.16 mm. No
+//!           ╰╴━━━━━━╶╯          bead is as thin as that, so one that is a little
+//!   ━━━━━━━━╮        ╭━━━━━━━   too wide runs along the web, from tooth to tooth.
+//!           ╰────────╯          Without it the part would come in pieces.
+//! ```
+//!
+//! In: the axes of a part's outline, then their numbers of beads. Out: axes that reach
+//! into what a web holds together, and numbers with one bead along each web.
+//!
+//! An axis ends where the sides of the area lie at an angle, as they do beside most
+//! webs. What ends free, as a tab or a tip does, gets narrower there, and is no web.
+
+use super::medial_axis::Axis;
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::grid::EdgeGrid;
+
+/// Least thickness of a web, mm. What is thinner holds nothing together.
+const LEAST: Mm = 0.1;
+/// Greatest length of a web, mm. What is longer is not printed, as `thin_min` says.
+const LONGEST: Mm = 3.0;
+/// Length of the axis that tells its direction, mm.
+const STRAIGHT: Mm = 0.15;
+/// Length of each step into what a web holds, mm.
+const STEP: Mm = 0.05;
+/// Greatest number of such steps.
+const STEPS: usize = 20;
+/// By how much the area may become thinner in a step, mm: borders are polygons.
+const SLACK: Mm = 0.005;
+
+/// Leads the ends of an axis on where the axis is too thin for a bead of thickness
+/// `bead` and the area opens, to where it is as thick as `wall`.
+pub(super) fn led_on(
+    mut axis: Axis,
+    grid: &EdgeGrid,
+    [bead, wall]: [Mm; 2],
+) -> Axis {
+    if axis.closed || axis.points.len() < 2 {
+        return axis;
+    }
+    let is_web = |t: Mm| (LEAST..bead).contains(&t);
+    for _ in 0..2 {
+        axis.points.reverse();
+        axis.thickness.reverse();
+        if !axis.thickness.last().is_some_and(|t| is_web(*t)) {
+            continue;
+        }
+        // Where two lines of balls have met, the last one may lead back.
+        while let [.., inner, next, end] = axis.points.as_slice()
+            && (*end - *next).dot(*next - *inner) < 0.0
+        {
+            axis.points.pop();
+            axis.thickness.pop();
+        }
+        let (Some(&end), Some(&t)) =
+            (axis.points.last(), axis.thickness.last())
+        else {
+            continue;
+        };
+        // The last points of an axis lie close together, and a little to the sides.
+        let far = |p: &&DVec2| p.distance(end) >= STRAIGHT;
+        let before = axis.points.iter().rev().find(far);
+        let along = before.or(axis.points.first()).map(|p| end - *p);
+        let along = along.unwrap_or_default().normalize_or_zero();
+        if is_web(t)
+            && let Some(more) = way_out(end, along, t, wall, grid)
+        {
+            axis.points.extend(more.iter().map(|p| p.0));
+            axis.thickness.extend(more.iter().map(|p| p.1));
+        }
+    }
+    axis
+}
+
+/// The way on from a place of a thickness to where the area is as thick as `wall`, with
+/// the thickness along it; nothing if the area does not open there.
+fn way_out(
+    mut at: DVec2,
+    mut along: DVec2,
+    mut thickness: Mm,
+    wall: Mm,
+    grid: &EdgeGrid,
+) -> Option<Vec<(DVec2, Mm)>> {
+    let mut way = Vec::new();
+    for _ in 0..STEPS {
+        at += STEP * along;
+        let (_, q) = grid.nearest_edge(at, wall)?;
+        let t = 2.0 * at.distance(q);
+        if t < thickness - SLACK || !grid.contains(at) {
+            return None;
+        }
+        way.push((at, t));
+        if t >= wall {
+            return Some(way);
+        }
+        thickness = t;
+        // Away from the nearer side, which keeps the way in the middle.
+        along = (along + (at - q).normalize_or_zero()).normalize_or_zero();
+    }
+    None
+}
+
+/// Gives one bead to the webs of an axis: to what is thinner than a bead of thickness
+/// `bead`, between thicker places, and to what has no bead beside it.
+pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) {
+    let segments: Vec<_> = axis.segments().collect();
+    let n = numbers.len();
+    let thin: Vec<bool> = segments
+        .iter()
+        .map(|(a, b)| 0.5 * (a.1 + b.1) < bead)
+        .collect();
+    // A closed axis is looked at from a thicker place on.
+    let Some(first) = thin.iter().position(|t| !t) else {
+        return;
+    };
+    let stop = if axis.closed { first + n } else { n };
+    let mut from = first;
+    while let Some(begin) = (from..stop).find(|&k| thin[k % n]) {
+        let end = (begin..stop).find(|&k| !thin[k % n]);
+        let Some(end) = end.or(axis.closed.then_some(stop)) else {
+            return;
+        };
+        from = end;
+        let web = (begin..end).map(|k| &segments[k % n]);
+        let length: Mm = web.clone().map(|(a, b)| a.0.distance(b.0)).sum();
+        let least = web.map(|(a, b)| a.1.min(b.1));
+        let bare = |k: &usize| numbers[k % n] == 0;
+        if length > LONGEST
+            || least.fold(f64::INFINITY, f64::min) < LEAST
+            || !(begin..end).any(|k| bare(&k))
+        {
+            continue;
+        }
+        let back = if axis.closed { 0 } else { first };
+        let before = (back..begin).rev().take_while(bare).last();
+        let after = (end..stop).take_while(bare).last();
+        let whole = before.unwrap_or(begin)..=after.unwrap_or(end - 1);
+        whole.for_each(|k| numbers[k % n] = 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::walls::{WallPlan, walls};
+    use glam::DVec2;
+    use isoslice_planar::Area;
+    use isoslice_planar::bead::Stroke;
+    use isoslice_planar::clip::union;
+    use isoslice_planar::rect;
+    use isoslice_settings::testing::usual_plan;
+
+    /// The number of pieces of the beads of an outline.
+    fn pieces(outline: &Area) -> usize {
+        let plan = usual_plan(WallPlan::of);
+        let walls = walls(outline, None, 0.2, &plan);
+        let strokes: Vec<&Stroke> =
+            walls.lines.iter().chain(&walls.thin).flatten().collect();
+        let touch = |a: &Stroke, b: &Stroke| {
+            let reach = 0.5 * (a.width.max(0.2) + b.width.max(0.2));
+            a.points.iter().any(|p| {
+                b.segments().any(|(c, d)| {
+                    isoslice_planar::grid::nearest_on(*p, c, d).distance(*p)
+                        < reach
+                })
+            })
+        };
+        let mut piece: Vec<usize> = (0..strokes.len()).collect();
+        for i in 0..strokes.len() {
+            for k in 0..strokes.len() {
+                if touch(strokes[i], strokes[k])
+                    || touch(strokes[k], strokes[i])
+                {
+                    let (a, b) = (piece[i], piece[k]);
+                    piece.iter_mut().filter(|p| **p == b).for_each(|p| *p = a);
+                }
+            }
+        }
+        piece.sort_unstable();
+        piece.dedup();
+        piece.len()
+    }
+
+    /// A tooth of 4 mm with its tip at a place, to the right or to the left.
+    fn tooth(tip: f64, way: f64, half: f64) -> Area {
+        let ring = [
+            (tip, -half),
+            (tip + 4.0 * way, -2.5),
+            (tip + 4.0 * way, 2.5),
+            (tip, half),
+        ];
+        let mut ring = ring.map(DVec2::from).to_vec();
+        if way < 0.0 {
+            ring.reverse();
+        }
+        Area::from(ring)
+    }
+
+    #[test]
+    fn what_a_web_holds_together_is_printed_in_one_piece() {
+        for thickness in [0.12, 0.16, 0.22, 0.26] {
+            let half = 0.5 * thickness;
+            for length in [0.3, 1.0, 2.0] {
+                let web = rect(-0.1, -half, length + 0.1, half);
+                let teeth =
+                    union(&tooth(length, 1.0, half), &tooth(0.0, -1.0, half));
+                let blocks = union(
+                    &rect(length, -2.0, length + 4.0, 2.0),
+                    &rect(-4.0, -2.0, 0.0, 2.0),
+                );
+                for ends in [teeth, blocks] {
+                    let whole = union(&ends, &web);
+                    assert_eq!(pieces(&whole), 1, "{thickness} {length}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_ends_free_is_no_web() {
+        let block = rect(0.0, -2.0, 4.0, 2.0);
+        let plan = usual_plan(WallPlan::of);
+        let tab = union(&block, &rect(3.9, -0.08, 5.0, 0.08));
+        let far = |area: &Area| {
+            let walls = walls(area, None, 0.2, &plan);
+            let all = walls.lines.iter().chain(&walls.thin).flatten();
+            let points = all.flat_map(|s| s.points.clone());
+            points.map(|p| p.x).fold(0.0, f64::max)
+        };
+        assert!(far(&tab) < 4.1, "{}", far(&tab));
+        assert!(pieces(&rect(0.0, 0.0, 1.5, 0.2)) == 0);
+        // A membrane that is long stays open, as asked for.
+        let wide = union(&block, &rect(14.0, -2.0, 18.0, 2.0));
+        assert_eq!(pieces(&union(&wide, &rect(3.9, -0.08, 14.1, 0.08))), 2);
+    }
+}
