@@ -182,7 +182,7 @@ impl<'a> Supported<'a> {
         let next = if *xy_gap > WIDE {
             "lower support.xy_gap, which keeps supports that far from the part"
         } else if *on_part {
-            "turn the part, or open what is around it"
+            "turn the part, open what is around it, or lower support.xy_gap"
         } else {
             "supports = auto may stand on the part"
         };

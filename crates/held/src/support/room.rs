@@ -25,8 +25,8 @@ use super::plan::SupportPlan;
 use super::survey::thinned;
 use glam::DVec2;
 use isoslice_base::parallel;
-use isoslice_base::units::Mm;
-use isoslice_planar::clip::{crop, difference, union, unite};
+use isoslice_base::units::{Degrees, Mm};
+use isoslice_planar::clip::{crop, difference, intersection, union, unite};
 use isoslice_planar::offset::offset;
 use isoslice_planar::opening::opened;
 use isoslice_planar::{Area, Rect, Solid, edges};
@@ -304,6 +304,36 @@ fn margin(plan: &SupportPlan) -> Mm {
     Size::new(plan).core + TOLERANCE
 }
 
+/// The part in layer `j` without what hangs over its sides there, and the distance that
+/// supports keep from that, if it is less than from walls: the tops of supports under a
+/// slope lie `gap_top` below it, and so not far beside it, the less the thinner layers
+/// are. With the distance from walls, faces of 45° would have no supports at all.
+fn walls_of(
+    parts: Parts<'_>,
+    j: usize,
+    plan: &SupportPlan,
+) -> Option<(Area, Mm)> {
+    /// A side hangs over if it leans by at most so much less than what needs supports,
+    /// degrees.
+    const LESS: Degrees = 10.0;
+    let spans = parts.spans();
+    let span = spans.get(j)?;
+    let steepest = plan.overhangs.angle.to_radians().tan();
+    let near = (plan.gap_top + 0.5 * span.height()) * steepest;
+    let near = near.max(BESIDE);
+    if near >= plan.xy_gap {
+        return None;
+    }
+    let hangs = (plan.overhangs.angle - LESS).max(0.0).to_radians().tan();
+    // So far down, such a side has receded by what the distances differ.
+    let depth = (plan.xy_gap - near) / (steepest - hangs).max(0.01);
+    let lower = spans[..j].partition_point(|s| s.top <= span.top - depth);
+    let lower = lower.saturating_sub(1);
+    let recedes = hangs * (span.top - spans[lower].top);
+    let below = offset(&parts.sections[lower], recedes, TOLERANCE);
+    Some((intersection(&parts.sections[j], &below), near))
+}
+
 /// Where layer `j` has no place for the middle of a branch: in the part, and too
 /// near to it. `grown` are the outlines, grown by [`BESIDE`] and [`margin`].
 fn tight(
@@ -323,8 +353,14 @@ fn tight(
     } = parts;
     let section = &sections[j];
     // The tolerances of later offsets may take some of the gap.
-    let gap = plan.xy_gap + 2.0 * TOLERANCE + margin(plan);
-    let area = offset(section, gap, TOLERANCE);
+    let more = 2.0 * TOLERANCE + margin(plan);
+    let area = match walls_of(parts, j, plan) {
+        None => offset(section, plan.xy_gap + more, TOLERANCE),
+        Some((walls, near)) => {
+            let walls = offset(&walls, plan.xy_gap + more, TOLERANCE);
+            union(&walls, &offset(section, near + more, TOLERANCE))
+        }
+    };
     // The layers beside it, and those within the gaps above and below.
     let level = heights.beside(j);
     let first = level.start.min(heights.in_gap(j).start);
@@ -352,7 +388,32 @@ mod tests {
     use crate::support::heights::Heights;
     use isoslice_planar::rect;
     use isoslice_settings::layers::LayerSpan;
-    use isoslice_settings::testing::usual_plan;
+    use isoslice_settings::testing::{plan_with, usual_plan};
+
+    /// A block whose one side leans by 42° over what is beside it, in thin layers.
+    #[test]
+    fn supports_come_nearer_to_what_hangs_over_them_than_to_walls() {
+        let side = |j: usize| 5.0 + 0.09 * j as f64;
+        let outlines: Vec<Area> =
+            (0..40).map(|j| rect(-5.0, -5.0, side(j), 5.0)).collect();
+        let none = vec![Area::EMPTY; 40];
+        for (angle, sideways) in
+            [(20.0, 0.25 * 20.0_f64.to_radians().tan()), (55.0, 0.35)]
+        {
+            let plan = plan_with(SupportPlan::of, |s| {
+                s.layer_height = isoslice_settings::ByNozzle::Length(0.1);
+                s.support.angle = angle;
+            });
+            let heights = Heights::new(LayerSpan::stack(0.1, 40), &plan);
+            let parts = Parts::in_layers(&heights, &outlines, &none);
+            let more = 2.0 * TOLERANCE + margin(&plan);
+            let around = tight(parts, 30, &outlines, &plan).bounds();
+            let own = side(30) + sideways + more;
+            assert!((around.max.x - own).abs() < 0.021, "{angle}: {around:?}");
+            let wall = -5.0 - plan.xy_gap - more;
+            assert!((around.min.x - wall).abs() < 0.011, "{angle}: {around:?}");
+        }
+    }
 
     #[test]
     fn a_branch_keeps_the_gap_from_walls_and_stays_out_of_thin_notches() {
