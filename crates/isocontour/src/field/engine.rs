@@ -139,24 +139,16 @@ struct ExprSampler<'w, 'a> {
 impl Sampler for ExprSampler<'_, '_> {
     fn values(
         &mut self,
-        x: &[f32],
-        y: &[f32],
-        z: &[f32],
+        at: [&[f32]; 3],
         out: &mut Vec<f32>,
     ) -> Result<(), FieldError> {
         self.cancel.check()?;
-        self.ws.values(self.expr, self.axes, [x, y, z], out);
+        self.ws.values(self.expr, self.axes, at, out);
         Ok(())
     }
 
-    fn slopes(
-        &mut self,
-        x: &[f32],
-        y: &[f32],
-        z: &[f32],
-        out: &mut Vec<[f32; 3]>,
-    ) {
-        self.ws.slopes(self.expr, self.axes, [x, y, z], out);
+    fn slopes(&mut self, at: [&[f32]; 3], out: &mut Vec<[f32; 3]>) {
+        self.ws.slopes(self.expr, self.axes, at, out);
     }
 }
 
