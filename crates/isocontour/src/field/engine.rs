@@ -5,11 +5,9 @@ use super::expr::Expr;
 use super::split::{Axes, Split};
 use super::workspace::{Proof, Workspace};
 use super::{
-    Batch, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, apart, bug,
+    Batch, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, apart,
 };
 use crate::cancel::Cancel;
-use fidget::eval::MathFunction;
-use fidget::vm::VmFunction;
 use std::ops::Range;
 
 /// Cells along the side of a slab's tiles. A tile spans all layers of the slab.
@@ -59,21 +57,22 @@ const UPWARDS: [Grouping; 3] = [
     },
 ];
 
-/// What follows from the expression and the lattice alone, before any layer.
-pub(super) struct Plane {
-    pub split: Split,
+/// An expression on a lattice, with what follows from these alone, before any
+/// layer.
+pub(super) struct Engine {
+    split: Split,
     x: Axis,
     y: Axis,
 }
 
-impl Plane {
+impl Engine {
     /// Evaluates along the lattice what one coordinate decides.
-    pub(super) fn new(split: Split, lattice: &Lattice) -> Plane {
+    pub(super) fn new(split: Split, lattice: &Lattice) -> Engine {
         let density = 1.0 / lattice.spacing;
         let make = |nodes: &[f32], parts| {
             Axis::new(nodes.to_vec(), density, IN_PLANE, |_| 0.0, parts)
         };
-        Plane {
+        Engine {
             x: make(&lattice.x, &split.parts[0]),
             y: make(&lattice.y, &split.parts[1]),
             split,
@@ -84,30 +83,17 @@ impl Plane {
         Axis::new(z.to_vec(), 0.0, UPWARDS, apart, &self.split.parts[2])
     }
 
-    fn cells(&self) -> [usize; 2] {
-        [&self.x, &self.y].map(|axis| axis.nodes().len() - 1)
-    }
-}
-
-/// An expression, and the lattice on which it is evaluated.
-pub(super) struct Engine {
-    root: VmFunction,
-    plane: Plane,
-}
-
-impl Engine {
-    pub(super) fn new(plane: Plane) -> Result<Self, FieldError> {
-        let Split { context, root, .. } = &plane.split;
-        let root = VmFunction::new(context, &[*root]).map_err(bug)?;
-        Ok(Self { root, plane })
+    /// The whole expression.
+    fn root(&self) -> Expr {
+        Expr::new(self.split.f.clone())
     }
 
     fn walk<'a>(&'a self, layers: &'a Axis, cancel: &'a Cancel) -> Walk<'a> {
         Walk {
             cancel,
-            axes: Axes([&self.plane.x, &self.plane.y, layers]),
-            cells: self.plane.cells(),
-            ws: Workspace::new(&self.root, &self.plane.split),
+            axes: Axes([&self.x, &self.y, layers]),
+            cells: [&self.x, &self.y].map(|axis| axis.nodes().len() - 1),
+            ws: Workspace::new(&self.split),
             boxes: Vec::new(),
             leaves: Vec::new(),
             values: Vec::new(),
@@ -181,9 +167,7 @@ impl Walk<'_> {
             return Ok(true);
         };
         let is_level = self.ws.is_level(own.as_ref().unwrap_or(root));
-        if let Some(expr) = own {
-            self.ws.recycle(expr);
-        }
+        self.ws.recycle(own);
         Ok(is_level)
     }
 
@@ -231,9 +215,7 @@ impl Walk<'_> {
         for at in blocks {
             self.block(expr, at, level.then_some(layers), visit)?;
         }
-        if let Some(expr) = own {
-            self.ws.recycle(expr);
-        }
+        self.ws.recycle(own);
         Ok(())
     }
 
@@ -278,9 +260,7 @@ impl Walk<'_> {
         }));
         self.boxes = boxes;
         self.sample(expr, span.unwrap_or(1), visit)?;
-        if let Some(expr) = own {
-            self.ws.recycle(expr);
-        }
+        self.ws.recycle(own);
         Ok(())
     }
 
@@ -322,9 +302,9 @@ impl Engine {
         if z.is_empty() {
             return Ok(());
         }
-        let layers = self.plane.layers(z);
+        let layers = self.layers(z);
         let mut walk = self.walk(&layers, cancel);
-        let root = Expr::new(self.root.clone());
+        let root = self.root();
         let rows = 0..walk.rows();
         for [i, j, _] in walk.tiles(&root, rows)? {
             walk.tile(&root, [i, j], visit)?;
@@ -338,9 +318,9 @@ impl Engine {
         z: &[f32],
         cancel: &Cancel,
     ) -> Result<bool, FieldError> {
-        let layers = self.plane.layers(z);
+        let layers = self.layers(z);
         let mut walk = self.walk(&layers, cancel);
-        let root = Expr::new(self.root.clone());
+        let root = self.root();
         // The first tile that is not level ends the search.
         for row in 0..walk.rows() {
             cancel.check()?;
@@ -363,9 +343,9 @@ impl Engine {
         if z.is_empty() {
             return Ok(());
         }
-        let layers = self.plane.layers(z);
+        let layers = self.layers(z);
         let mut walk = self.walk(&layers, cancel);
         walk.leaves = leaves.to_vec();
-        walk.sample(&Expr::new(self.root.clone()), 1, visit)
+        walk.sample(&self.root(), 1, visit)
     }
 }

@@ -56,7 +56,7 @@ use crate::cancel::{Cancel, Cancelled};
 use crate::ceiling::uncapped;
 use crate::plane::Rect;
 use calls::Called;
-use engine::{Engine, Plane};
+use engine::Engine;
 use fidget::context::{Context, Tree};
 use split::Split;
 use std::sync::OnceLock;
@@ -216,9 +216,8 @@ impl Field {
         let root = ctx.import(&tree);
         let root = uncapped(&mut ctx, root);
         let root = blend::branched(&mut ctx, root);
-        let called = Called::new(ctx, root, None)?;
-        let plane = Plane::new(Split::new(called)?, &lattice);
-        let engine = Engine::new(plane)?;
+        let split = Split::new(Called::new(ctx, root, None)?)?;
+        let engine = Engine::new(split, &lattice);
         Ok(Field {
             tree,
             lattice,
