@@ -366,7 +366,6 @@ impl Search<'_> {
             self.doubts.push(([cell.lo[2], cell.hi[2]], worst));
             return;
         };
-        let simple = program.simplify(&self.scratch);
         todo.push(Open {
             cell,
             parts: if facets.parts.is_empty() {
@@ -374,7 +373,7 @@ impl Search<'_> {
             } else {
                 facets.parts.into()
             },
-            program: simple.map_or_else(|| program.clone(), Rc::new),
+            program: program.simplified(&self.scratch),
             most: known.most,
             has_faces,
             axis,

@@ -244,10 +244,7 @@ pub(super) fn contract(
 /// Removes from `cell` the places where the value of `slot` is less than
 /// `least`.
 fn keep_above(slot: &Slot, least: f64, whole: &Cell, cell: &mut Cell) {
-    let known = !slot.range.nan
-        && slot.centre.is_finite()
-        && slot.slope.iter().all(|g| g.is_finite() && !g.nan);
-    if !known || !least.is_finite() {
+    if !slot.is_known() || !least.is_finite() {
         return;
     }
     let centre = whole.centre();
@@ -320,13 +317,17 @@ fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
 /// The angle of b and a in a sector, continued beyond it where it jumps.
 fn angle(sector: f64, a: &Slot, b: &Slot) -> Slot {
     if b.range.hi < 0.0 {
-        // Left of the pole the angle is ±π + atan(y/x).
-        let is_left = sector - FIRST_SECTOR >= 0.5 * SECTORS;
-        let turn = if is_left { PI } else { -PI };
-        a.div(*b).atan().add(Slot::constant(turn))
+        left_of_pole(sector - FIRST_SECTOR >= 0.5 * SECTORS, a, b)
     } else {
         binary(BinaryOpcode::Atan, *a, *b)
     }
+}
+
+/// The angle of b and a left of the pole, ±π + atan(a / b), on one side of its
+/// jump.
+fn left_of_pole(is_above: bool, a: &Slot, b: &Slot) -> Slot {
+    let turn = if is_above { PI } else { -PI };
+    a.div(*b).atan().add(Slot::constant(turn))
 }
 
 fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
@@ -385,11 +386,7 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
                 slot.range.hi = slot.range.hi.min(hi);
                 slot
             }
-            BinaryOpcode::Atan => {
-                // Left of the pole the angle is ±π + atan(y/x).
-                let turn = if index > 0.0 { PI } else { -PI };
-                a.div(*b).atan().add(Slot::constant(turn))
-            }
+            BinaryOpcode::Atan => left_of_pole(index > 0.0, a, b),
             BinaryOpcode::Div => binary(*op, *a, beside(b)),
             _ => constant(index, a.range.nan || b.range.nan),
         },
