@@ -75,10 +75,7 @@ pub(super) fn at_crossings(
     out.retain(|l| l.points.len() > 2 && bounds_part(&l.points, rings));
     // Rings without crossings stay as they are.
     let whole = some().filter(|&n| !on.iter().any(|o| o.0 == n));
-    out.extend(whole.map(|n| Joined {
-        points: rings[n].points.clone(),
-        fixed: rings[n].fixed.clone(),
-    }));
+    out.extend(whole.map(|n| rings[n].clone()));
     Some(out)
 }
 

@@ -15,9 +15,9 @@
 //! divided.
 
 use super::link::Crossing;
-use super::refine::{Bracket, refine};
+use super::refine::{Bracket, End, refine};
 use super::samples::Eyes;
-use super::trace::{Chord, End, Look, Vertex, line, lines_cross, look, trace};
+use super::trace::{Chord, Look, Vertex, line, lines_cross, look, trace};
 use crate::Length;
 use crate::cells::segments;
 use crate::field::{FieldError, Lattice};
@@ -326,11 +326,8 @@ fn find_vertices(
         }
         patch.slots = slots;
     }
-    let gradients = refine(&mut brackets, eyes)?;
-    for ((n, b), gradient) in numbers.into_iter().zip(&brackets).zip(gradients)
-    {
-        let point = b.point();
-        out.vertices[n].end = End { point, gradient };
+    for (n, end) in numbers.into_iter().zip(refine(&mut brackets, eyes)?) {
+        out.vertices[n].end = end;
     }
     Ok(())
 }

@@ -52,7 +52,7 @@ pub(super) struct Missing {
 }
 
 /// A closed ring.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Joined {
     pub points: Ring,
     /// True for each point that lies on an edge of the lattice or of a divided

@@ -17,7 +17,7 @@ use super::noise::Noise;
 use super::refine::{Bracket, refine};
 use super::runs::Runs;
 use super::samples::{Eyes, Samples};
-use super::trace::{Chord, End, Look, Traced, Vertex, look, trace};
+use super::trace::{Chord, Look, Traced, Vertex, look, trace};
 use crate::Length;
 use crate::cells::{Place, bits, segments};
 use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
@@ -280,15 +280,11 @@ impl<'a> Marcher<'a> {
         let edges = &self.edges.all;
         let mut brackets: Vec<Bracket> =
             edges.iter().map(|edge| edge.bracket(self.z)).collect();
-        let gradients = refine(&mut brackets, eyes)?;
+        let ends = refine(&mut brackets, eyes)?;
         self.vertices.clear();
-        let found = brackets.iter().zip(gradients).zip(edges);
         self.vertices
-            .extend(found.map(|((found, gradient), edge)| Vertex {
-                end: End {
-                    point: found.point(),
-                    gradient,
-                },
+            .extend(ends.into_iter().zip(edges).map(|(end, edge)| Vertex {
+                end,
                 crossing: Crossing::whole(edge.number),
             }));
         Ok(())

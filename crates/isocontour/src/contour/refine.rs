@@ -12,6 +12,15 @@ use crate::Length;
 use crate::field::FieldError;
 use glam::DVec2;
 
+/// A place on the outline at which chords end.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct End {
+    /// Its place.
+    pub point: DVec2,
+    /// In-plane gradient of the field; zero or not finite if it says nothing.
+    pub gradient: DVec2,
+}
+
 /// A vertex on its way: the root lies between `lo` and `hi`, as fractions of
 /// the way from an inside node to an outside one.
 #[derive(Clone, Copy, Debug)]
@@ -245,12 +254,12 @@ impl Bracket {
 }
 
 /// Brings all brackets to their roots, and evaluates those on their way
-/// together. Returns the field's gradients at the roots; a gradient is zero
+/// together. Returns the roots, with the field's gradients; a gradient is zero
 /// where the field jumps.
 pub(super) fn refine(
     brackets: &mut [Bracket],
     eyes: &mut Eyes<'_>,
-) -> Result<Vec<DVec2>, FieldError> {
+) -> Result<Vec<End>, FieldError> {
     // If the field is infinite at the outer end of a bracket, it does not tell
     // how the field rises. Two points inside would, and so does one with its
     // slope.
@@ -279,9 +288,6 @@ pub(super) fn refine(
         }
         gradients.push(gradient);
     }
-    if open.is_empty() {
-        return Ok(gradients);
-    }
     let mut active = open.clone();
     for count in 1..MAX_STEPS {
         active.retain(|&i| !brackets[i].done);
@@ -295,11 +301,16 @@ pub(super) fn refine(
     }
     let jumps: Vec<bool> =
         open.iter().map(|&i| brackets[i].ends_in_a_jump()).collect();
-    let last = slopes(brackets, eyes, open.iter().copied());
-    for ((i, jumps), slopes) in open.into_iter().zip(jumps).zip(last) {
-        gradients[i] = if jumps { DVec2::ZERO } else { gradient(slopes) };
+    if !open.is_empty() {
+        let last = slopes(brackets, eyes, open.iter().copied());
+        for ((i, jumps), slopes) in open.into_iter().zip(jumps).zip(last) {
+            gradients[i] = if jumps { DVec2::ZERO } else { gradient(slopes) };
+        }
     }
-    Ok(gradients)
+    let roots = brackets.iter().map(Bracket::point).zip(gradients);
+    Ok(roots
+        .map(|(point, gradient)| End { point, gradient })
+        .collect())
 }
 
 /// Asks the field at the estimates of some brackets.

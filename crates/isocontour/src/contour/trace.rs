@@ -25,7 +25,7 @@
 //! and gradients agree.
 
 use super::link::Crossing;
-use super::refine::{Bracket, refine};
+use super::refine::{Bracket, End, refine};
 use super::samples::Eyes;
 use crate::Length;
 use crate::field::FieldError;
@@ -53,15 +53,6 @@ const SHORT: f64 = 0.3;
 const ARC: f64 = 0.25;
 /// Halvings of a chord: from 2 mm to below a micrometre.
 const DEPTH: u8 = 12;
-
-/// An end of a chord.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct End {
-    /// The place of the end.
-    pub point: DVec2,
-    /// In-plane gradient of the field; zero or not finite if it says nothing.
-    pub gradient: DVec2,
-}
 
 /// A piece of outline across a cell.
 #[derive(Clone, Copy, Debug)]
@@ -493,15 +484,12 @@ impl Round<'_, '_> {
             brackets.push(Bracket::new(ends, [f, values[n]], z));
             found.push(k);
         }
-        let gradients = refine(&mut brackets, self.eyes)?;
         let mut halves = Vec::new();
-        for ((b, gradient), k) in brackets.iter().zip(gradients).zip(found) {
+        for (root, k) in
+            refine(&mut brackets, self.eyes)?.into_iter().zip(found)
+        {
             let o = &asked[k].o;
             let place = o.place();
-            let root = End {
-                point: b.point(),
-                gradient,
-            };
             traced[o.chord].points.push((place, root.point));
             let off = root.point.distance(searches[k].0);
             // Without gradients a corner shows in the middle of its chord, by

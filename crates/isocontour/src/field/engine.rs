@@ -20,41 +20,17 @@ const BLOCK_LAYERS: usize = 8;
 /// Boxes along x and y. The cell around a tile or block belongs to its proof,
 /// so that its simpler expression also serves for a corner just outside.
 const IN_PLANE: [Grouping; 3] = [
-    Grouping {
-        step: TILE,
-        reach: TILE,
-        pad: 1,
-    },
-    Grouping {
-        step: BLOCK,
-        reach: BLOCK,
-        pad: 1,
-    },
-    Grouping {
-        step: LEAF,
-        reach: LEAF,
-        pad: 0,
-    },
+    Grouping::of_cells(TILE, 1),
+    Grouping::of_cells(BLOCK, 1),
+    Grouping::of_cells(LEAF, 0),
 ];
 
 /// Boxes along z. They reach from just below the first of their layers to just
 /// above the last one, since a layer may be what is there.
 const UPWARDS: [Grouping; 3] = [
-    Grouping {
-        step: SLAB,
-        reach: SLAB - 1,
-        pad: 0,
-    },
-    Grouping {
-        step: BLOCK_LAYERS,
-        reach: BLOCK_LAYERS - 1,
-        pad: 0,
-    },
-    Grouping {
-        step: 1,
-        reach: 0,
-        pad: 0,
-    },
+    Grouping::of_layers(SLAB),
+    Grouping::of_layers(BLOCK_LAYERS),
+    Grouping::of_layers(1),
 ];
 
 /// An expression on a lattice, with what follows from these alone, before any

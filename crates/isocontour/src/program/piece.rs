@@ -150,7 +150,7 @@ pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
                 }
                 // If the two operands are equal on a surface only, the piece
                 // between has no thickness.
-                return if grows(&difference(a, b)) {
+                return if grows(&a.sub(*b)) {
                     vec![-1.0, 1.0]
                 } else {
                     vec![-1.0, 0.0, 1.0]
@@ -271,10 +271,6 @@ fn grows(slot: &Slot) -> bool {
     !slot.range.nan && slot.slope.iter().any(|g| g.lo > 0.0 || g.hi < 0.0)
 }
 
-fn difference(a: &Slot, b: &Slot) -> Slot {
-    a.sub(*b)
-}
-
 fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
     let side = |slot: Slot, up: bool| {
         if up {
@@ -300,8 +296,8 @@ fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
         }
         Step::Binary(BinaryOpcode::Atan, ..) => side(*a, index > 0.0),
         Step::Binary(BinaryOpcode::Compare, ..) => match index {
-            0.0 => (difference(a, b), 0.0, 0.0),
-            _ => side(difference(a, b), index > 0.0),
+            0.0 => (a.sub(*b), 0.0, 0.0),
+            _ => side(a.sub(*b), index > 0.0),
         },
         _ => side(*b, index > 0.0),
     };
@@ -310,8 +306,7 @@ fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
 
 /// a - index·|b|: the remainder in that period, continued beyond it.
 fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
-    let times = Slot::constant(index);
-    difference(a, &b.abs().mul(times))
+    a.sub(b.abs().mul(Slot::constant(index)))
 }
 
 /// The angle of b and a in a sector, continued beyond it where it jumps.

@@ -203,17 +203,12 @@ impl Program {
                 .filter(|p| {
                     let step = &self.steps[p.step as usize];
                     let [a, b] = slots_of(s, step);
-                    jumps(step, a, b)
+                    !pieces_of(step, a, b).is_empty()
                 })
                 .map(moved)
                 .collect(),
         })
     }
-}
-
-/// True if a step has more than one piece in the box of these slots.
-fn jumps(step: &Step, a: &Slot, b: &Slot) -> bool {
-    !pieces_of(step, a, b).is_empty()
 }
 
 /// The operand that a `min` or `max` passes on, as far as it makes a
