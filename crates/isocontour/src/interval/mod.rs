@@ -14,8 +14,6 @@
 
 mod binary;
 #[cfg(test)]
-mod oracle;
-#[cfg(test)]
 mod tests;
 mod unary;
 
