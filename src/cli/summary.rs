@@ -63,7 +63,7 @@ impl Sums<'_> {
             islands_in_air: summary.verdict.as_ref().map(|verdict| {
                 in_the_air(verdict).map_or(0, |(count, _)| count)
             }),
-            hanging: HangingJson::new(&summary.hanging),
+            hanging: &summary.hanging,
             roles: &summary.roles,
             parts: summary.parts.iter().map(PartJson::new).collect(),
             warnings,
@@ -101,7 +101,7 @@ struct Json<'a> {
     area_mm2: f64,
     checked: bool,
     islands_in_air: Option<u64>,
-    hanging: HangingJson,
+    hanging: &'a Hanging,
     roles: &'a BTreeMap<&'static str, RoleSum>,
     parts: Vec<PartJson<'a>>,
     warnings: &'a [String],
@@ -131,51 +131,6 @@ impl PartJson<'_> {
             laid_mm2: part.laid,
             layer_count: part.layer_count,
             filament_mm: part.filament_length,
-        }
-    }
-}
-
-/// The area that hangs while it is printed, by kind.
-#[derive(Serialize)]
-struct HangingJson {
-    begins_on_nothing: KindJson,
-    leans: KindJson,
-    long_bridges: KindJson,
-    small_foot: Option<FootJson>,
-}
-
-#[derive(Serialize)]
-struct KindJson {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    count: Option<usize>,
-    area_mm2: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reach_mm: Option<f64>,
-    first_mm: Option<[f64; 3]>,
-}
-
-#[derive(Serialize)]
-struct FootJson {
-    area_mm2: f64,
-    holds_mm: f64,
-}
-
-impl HangingJson {
-    fn new(hanging: &Hanging) -> HangingJson {
-        let kind = |sum: &Sum, counted: bool, reach: bool| KindJson {
-            count: counted.then_some(sum.count),
-            area_mm2: sum.area,
-            reach_mm: reach.then_some(sum.reach),
-            first_mm: sum.first.map(|p| p.to_array()),
-        };
-        HangingJson {
-            begins_on_nothing: kind(&hanging.begins, true, false),
-            leans: kind(&hanging.leans, false, true),
-            long_bridges: kind(&hanging.bridges, true, true),
-            small_foot: hanging.foot.map(|foot| FootJson {
-                area_mm2: foot.area,
-                holds_mm: foot.holds,
-            }),
         }
     }
 }

@@ -10,36 +10,10 @@ use isoslice_base::limits::MOST_PARTS;
 use isoslice_base::units::Mm;
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::Rect;
-use isoslice_settings::Printer;
+use isoslice_settings::HeadRoom;
 
 /// What rounding may add to a distance, or take away.
 const ROUNDED: Mm = 1e-2;
-
-/// What the head needs beside finished parts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct HeadRoom {
-    /// Radius of the head around the nozzle, and how far it is empty upwards
-    /// from the nozzle's tip.
-    radius: Mm,
-    free_below: Mm,
-    /// Height of what moves across the whole bed.
-    gantry: Mm,
-    /// How far in front of the nozzle what is higher may stand.
-    front: Option<Mm>,
-}
-
-impl HeadRoom {
-    /// The room that the head of a printer needs, if that is known.
-    pub(super) fn of(printer: &Printer) -> Option<HeadRoom> {
-        let clearance = printer.head_clearance_radius?;
-        Some(HeadRoom {
-            radius: clearance.radius,
-            free_below: clearance.free_below,
-            gantry: printer.gantry_height?,
-            front: printer.front_clearance,
-        })
-    }
-}
 
 /// Something that stands on the bed.
 #[derive(Clone, Copy, Debug)]

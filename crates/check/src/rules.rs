@@ -3,12 +3,11 @@
 //! In: settings, or a plate whose parts have settings of their own. Out:
 //! [`Rules`], which are numbers only, for any G-code.
 
-use super::finished::HeadRoom;
 use super::heat::HeatLimit;
 use glam::{DVec2, DVec3};
 use isoslice_base::units::{Celsius, Mm, Mm2, MmPerSec};
 use isoslice_gcode_read::reader::{Heater, Role};
-use isoslice_settings::{Flavour, PlateSequence, Settings, keys};
+use isoslice_settings::{Flavour, HeadRoom, PlateSequence, Settings, keys};
 
 /// Precision of the positions in a file, mm.
 pub(super) const ROUNDING: Mm = 2e-3;
@@ -108,7 +107,7 @@ impl Rules {
             gap: settings.support.z_gap.max(settings.support.z_gap_bottom),
             flavour: settings.gcode.flavour,
             head_room: match settings.plate.sequence {
-                PlateSequence::OneByOne => HeadRoom::of(printer),
+                PlateSequence::OneByOne => printer.head_room(),
                 PlateSequence::AllAtOnce => None,
             },
             // If the printer's own limits are not set, these hold: what usual

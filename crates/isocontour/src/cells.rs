@@ -16,7 +16,7 @@ const W: u8 = 3;
 
 /// Segments of each case. In the ambiguous cases 5 and 10 the cell's centre
 /// counts as outside.
-pub(crate) const CASES: [&[(u8, u8)]; 16] = [
+const CASES: [&[(u8, u8)]; 16] = [
     &[],
     &[(S, W)],
     &[(E, S)],
@@ -36,8 +36,21 @@ pub(crate) const CASES: [&[(u8, u8)]; 16] = [
 ];
 
 /// Segments of the ambiguous cases with the centre inside.
-pub(crate) const JOINED_5: &[(u8, u8)] = &[(N, W), (S, E)];
-pub(crate) const JOINED_10: &[(u8, u8)] = &[(W, S), (E, N)];
+const JOINED_5: &[(u8, u8)] = &[(N, W), (S, E)];
+const JOINED_10: &[(u8, u8)] = &[(W, S), (E, N)];
+
+/// The segments of a case. In the ambiguous ones it is asked whether the cell's
+/// centre is inside.
+pub(crate) fn segments(
+    case: usize,
+    mut is_joined: impl FnMut() -> bool,
+) -> &'static [(u8, u8)] {
+    match case {
+        5 if is_joined() => JOINED_5,
+        10 if is_joined() => JOINED_10,
+        _ => CASES[case],
+    }
+}
 
 /// A cell of a batch: its leaf, and its column and row in the leaf.
 pub(crate) type Place = (usize, [usize; 2]);

@@ -11,6 +11,7 @@
 //! Guarantees: no recursion on the stack, whatever the depth of the tree.
 
 use crate::data::{call_of, known};
+use crate::tree::operands;
 use fidget::context::{Context, Node, Tree, TreeOp};
 use fidget::var::Var;
 use std::collections::{HashMap, HashSet};
@@ -121,15 +122,9 @@ fn scan<'a>(
                 return Err(ExpandError::FreeVariable);
             }
             TreeOp::Input(_) | TreeOp::Const(_) => {}
-            TreeOp::Unary(_, a) => {
+            TreeOp::Unary(..) | TreeOp::Binary(..) => {
                 if seen.insert(op) {
-                    todo.push(a);
-                }
-            }
-            TreeOp::Binary(_, a, b) => {
-                if seen.insert(op) {
-                    todo.push(a);
-                    todo.push(b);
+                    todo.extend(operands(op));
                 }
             }
             // fidget does not cache remappings, so `seen` does not matter here.

@@ -8,7 +8,7 @@
 //! comes back to where it began some periods away: its `winding`.
 
 use crate::Length;
-use crate::cells::{CASES, JOINED_5, JOINED_10};
+use crate::cells::segments;
 use crate::plane::simplify::keep_farthest;
 use glam::DVec2;
 
@@ -82,23 +82,14 @@ pub fn trace(
                 .enumerate()
                 .map(|(bit, &k)| usize::from(inside(k)) << bit)
                 .sum::<usize>();
-            if case == 0 || case == 15 {
-                continue;
-            }
-            let mut pairs = CASES[case];
-            if case == 5 || case == 10 {
-                let sum: f64 = nodes.iter().map(|&k| values[k]).sum();
-                if sum < 0.0 {
-                    pairs = if case == 5 { JOINED_5 } else { JOINED_10 };
-                }
-            }
+            let sum = || nodes.iter().map(|&k| values[k]).sum::<f64>();
             let edges = [
                 2 * nodes[0],
                 2 * nodes[1] + 1,
                 2 * nodes[3],
                 2 * nodes[0] + 1,
             ];
-            for &(from, to) in pairs {
+            for &(from, to) in segments(case, || sum() < 0.0) {
                 let [from, to] =
                     [from, to].map(|side| edges[usize::from(side)]);
                 next[from] = to as u32;

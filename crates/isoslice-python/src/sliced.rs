@@ -12,12 +12,12 @@ use isoslice::limits::Limits;
 use isoslice::pipeline::{self, Options, Summary};
 use isoslice::preview::Toolpath;
 use isoslice::reader::Reader;
-use isoslice::{Format, Hanging, Sum, human_time};
+use isoslice::{Format, human_time};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -247,7 +247,7 @@ impl Sliced {
             outline_error: Table::of(&summary.outline_error)?,
             wall_error: Table::of(&summary.wall_error)?,
             report: Table::of(&summary.report)?,
-            hanging: Table(hanging(&summary.hanging)),
+            hanging: Table::of(&summary.hanging)?,
             time_lost: Table::of(&summary.time_lost)?,
             timings: Table::of(&timings)?,
             settings: kept.texts,
@@ -405,37 +405,4 @@ pub(crate) fn unpickled_sliced(
         (None, None) => Gcode::nowhere(),
     };
     Ok(Sliced { gcode, ..read })
-}
-
-fn hanging(hanging: &Hanging) -> Value {
-    let first = |sum: &Sum| sum.first.map(|place| place.to_array());
-    let Hanging {
-        begins,
-        leans,
-        bridges,
-        foot,
-        ..
-    } = hanging;
-    json!({
-        "begins_on_nothing": {
-            "count": begins.count,
-            "area_mm2": begins.area,
-            "first_mm": first(begins),
-        },
-        "leans": {
-            "area_mm2": leans.area,
-            "reach_mm": leans.reach,
-            "first_mm": first(leans),
-        },
-        "long_bridges": {
-            "count": bridges.count,
-            "area_mm2": bridges.area,
-            "reach_mm": bridges.reach,
-            "first_mm": first(bridges),
-        },
-        "small_foot": foot.map(|foot| json!({
-            "area_mm2": foot.area,
-            "holds_mm": foot.holds,
-        })),
-    })
 }

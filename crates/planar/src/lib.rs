@@ -64,7 +64,7 @@ pub use box_tree::BoxTree;
 pub use hull::hull;
 pub use isocontour::plane::{
     Area, Rect, Ring, edges, nest, path_length, point_beside, ring_length,
-    signed_area, simplify,
+    shelves, signed_area, simplify,
 };
 pub use shapes::rect;
 pub use solid::Solid;

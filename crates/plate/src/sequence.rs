@@ -37,7 +37,7 @@ use super::{Part, Plate, PlateError};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
-use isoslice_settings::{DraftShield, PlateSequence, Printer, Supports};
+use isoslice_settings::{DraftShield, HeadRoom, PlateSequence, Supports};
 
 /// How far above all that is finished the head travels from one part to the
 /// next, mm: more than threads and blobs stand up.
@@ -46,30 +46,9 @@ const ABOVE: Mm = 2.0;
 /// What rounding may take away, mm.
 const ROUNDED: Mm = 1e-3;
 
-/// What the head needs.
-#[derive(Clone, Copy, Debug)]
-struct Head {
-    radius: Mm,
-    free_below: Mm,
-    gantry: Mm,
-    front: Option<Mm>,
-}
-
-impl Head {
-    fn of(printer: &Printer) -> Option<Head> {
-        let clearance = printer.head_clearance_radius?;
-        Some(Head {
-            radius: clearance.radius,
-            free_below: clearance.free_below,
-            gantry: printer.gantry_height?,
-            front: printer.front_clearance,
-        })
-    }
-
-    /// True if a part is as high as what carries the head.
-    fn reaches_gantry(&self, top: Mm) -> bool {
-        top > self.gantry + ROUNDED
-    }
+/// True if a part is as high as what carries the head.
+fn reaches_gantry(head: &HeadRoom, top: Mm) -> bool {
+    top > head.gantry + ROUNDED
 }
 
 /// A part in its place.
@@ -110,7 +89,7 @@ impl Arrangement {
         for (part, count) in parts {
             high |= part.top() > head.free_below;
             supported |= part.settings.supports != Supports::Off;
-            above += count * usize::from(head.reaches_gantry(part.top()));
+            above += count * usize::from(reaches_gantry(&head, part.top()));
         }
         // Supports reach into the room between parts.
         let room = if supported { usual } else { 0.0 };
@@ -132,8 +111,8 @@ impl Plate {
     }
 
     /// What the head needs, if the printer's settings tell it.
-    fn head(&self) -> Option<Head> {
-        Head::of(&self.settings.printer)
+    fn head(&self) -> Option<HeadRoom> {
+        self.settings.printer.head_room()
     }
 
     /// The places in the order in which their parts are printed one by one, as
@@ -149,7 +128,7 @@ impl Plate {
         let key = |&(part, shift): &(usize, DVec2)| {
             let (part, top) = (&self.parts[part], self.parts[part].top());
             match head {
-                Some(head) if head.reaches_gantry(top) => {
+                Some(head) if reaches_gantry(&head, top) => {
                     (true, part.covers(shift).min.y)
                 }
                 _ => (false, top),
@@ -216,7 +195,7 @@ impl Plate {
                 let ahead = later.area.min.y - first.area.max.y;
                 let passes =
                     head.front.is_some_and(|front| ahead >= front - ROUNDED);
-                if head.reaches_gantry(first.top) && !passes {
+                if reaches_gantry(&head, first.top) && !passes {
                     return Err(PlateError::TooHigh {
                         first: first.name.to_owned(),
                         height: first.top,

@@ -7,6 +7,7 @@
 //! may fill one folder.
 
 use super::layer_svg;
+use isoslice_base::files::beginning_in;
 use isoslice_path::travel::LayerPath;
 use isoslice_planar::Rect;
 use std::fs;
@@ -65,16 +66,7 @@ impl Pictures {
         // The picture is drawn first, so that the half-written file is there
         // for a moment only.
         let picture = layer_svg(path, self.frame);
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".isoslice-").suffix(".tmp");
-        #[cfg(unix)]
-        {
-            // These are the permissions of any new file, which the umask
-            // limits.
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let mut file = builder.tempfile_in(&self.folder)?;
+        let mut file = beginning_in(&self.folder)?;
         file.write_all(picture.as_bytes())?;
         file.persist(self.folder.join(name_of(path.span.index)))?;
         Ok(())

@@ -7,7 +7,7 @@
 
 mod output;
 
-pub use output::{Output, OutputError};
+pub use output::{Output, OutputError, beginning_in};
 
 use crate::encoding::{self, NotText};
 use crate::limits;

@@ -328,7 +328,11 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-fn temporary_in(folder: &Path) -> io::Result<(NamedTempFile, Listed)> {
+/// A file that is to take the place of another one in a folder.
+///
+/// # Errors
+/// If it cannot be made.
+pub fn beginning_in(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".isoslice-").suffix(".tmp");
     #[cfg(unix)]
@@ -338,8 +342,12 @@ fn temporary_in(folder: &Path) -> io::Result<(NamedTempFile, Listed)> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
+    builder.tempfile_in(folder)
+}
+
+fn temporary_in(folder: &Path) -> io::Result<(NamedTempFile, Listed)> {
     let mut pending = pending();
-    let file = builder.tempfile_in(folder)?;
+    let file = beginning_in(folder)?;
     let listed = Listed(file.path().to_owned());
     pending.push(listed.0.clone());
     Ok((file, listed))

@@ -46,6 +46,7 @@
 mod across;
 pub mod foot;
 mod held;
+mod json;
 mod judge;
 mod ledges;
 mod lip;

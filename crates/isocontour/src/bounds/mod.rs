@@ -188,11 +188,7 @@ fn search(
     }
     let program = flattened(tree)?;
     if options.within.is_none() && !program.depends_on(2) {
-        let slice = SearchOptions {
-            within: None,
-            ..*options
-        };
-        let found = Search::new(&slice, cancel)?
+        let found = Search::new(options, cancel)?
             .of_a_slice()
             .run(program.clone());
         match found {

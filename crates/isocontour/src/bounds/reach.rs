@@ -149,20 +149,22 @@ impl Search<'_> {
             self.probe(side, &part.program, tolerance, budget);
         }
         let mut number = 0;
+        let mut candidate = |depth: u32, cell: Cell, program: Rc<Program>| {
+            number += 1;
+            Candidate {
+                reach: side.reach(&cell),
+                depth,
+                number,
+                cell,
+                program,
+            }
+        };
         let mut queue = BinaryHeap::new();
         for Part { cell, program } in parts {
             let cell = cell.common(&self.region);
-            if (0..3).any(|i| cell.lo[i] > cell.hi[i]) {
-                continue;
+            if (0..3).all(|i| cell.lo[i] <= cell.hi[i]) {
+                queue.push(candidate(0, cell, program.clone()));
             }
-            number += 1;
-            queue.push(Candidate {
-                reach: side.reach(&cell),
-                depth: 0,
-                number,
-                cell,
-                program: program.clone(),
-            });
         }
         while let Some(mut c) = queue.pop() {
             if self.cancel.is_asked() {
@@ -235,9 +237,7 @@ impl Search<'_> {
                 is_inside = c.program.value(start, &mut self.scratch) < 0.0;
             }
             if is_inside {
-                if let Some(simple) = c.program.simplify(&self.scratch) {
-                    c.program = Rc::new(simple);
-                }
+                c.program = c.program.simplified(&self.scratch);
                 self.note_inside(start);
                 // If the program is long, boxes are only halved.
                 if c.program.len() as u64 * CLIMB < budget {
@@ -260,16 +260,9 @@ impl Search<'_> {
                 by_pieces = c.program.by_sectors(&self.scratch);
             }
             if !by_pieces.is_empty() {
-                for program in by_pieces {
-                    number += 1;
-                    queue.push(Candidate {
-                        reach: side.reach(&c.cell),
-                        depth: c.depth + 1,
-                        number,
-                        cell: c.cell,
-                        program: Rc::new(program),
-                    });
-                }
+                queue.extend(by_pieces.into_iter().map(|program| {
+                    candidate(c.depth + 1, c.cell, Rc::new(program))
+                }));
                 continue;
             }
             let Some(across) =
@@ -277,20 +270,12 @@ impl Search<'_> {
             else {
                 continue;
             };
-            let program = match c.program.simplify(&self.scratch) {
-                Some(simple) => Rc::new(simple),
-                None => c.program,
-            };
-            for cell in c.cell.split(across) {
-                number += 1;
-                queue.push(Candidate {
-                    reach: side.reach(&cell),
-                    depth: c.depth + 1,
-                    number,
-                    cell,
-                    program: program.clone(),
-                });
-            }
+            let program = c.program.simplified(&self.scratch);
+            queue.extend(
+                c.cell
+                    .split(across)
+                    .map(|cell| candidate(c.depth + 1, cell, program.clone())),
+            );
         }
         let Some(inside) = &self.inside else {
             return Err(self.nothing(parts));
@@ -399,8 +384,6 @@ impl Search<'_> {
             for reach in places.chain([low + tolerance]) {
                 p[side.axis] = side.outward(reach);
                 if program.value(p, &mut self.scratch) < 0.0 {
-                    self.note_inside(p);
-                    self.climb(side, program, p, face);
                     self.creep(side, &column, program, p, tolerance);
                     break;
                 }
@@ -447,14 +430,12 @@ impl Search<'_> {
             p[side.axis] = side.outward(low + tolerance);
         }
         if program.value(p, &mut self.scratch) < 0.0 {
-            self.note_inside(p);
-            self.climb(side, program, p, face);
             self.creep(side, column, program, p, tolerance);
         }
     }
 
-    /// Moves the known extent outwards within a column, from the place `p`
-    /// where it was found, towards the highest point near by.
+    /// Moves the known extent outwards within a column, from an inside point
+    /// `p`, towards the highest point near by.
     fn creep(
         &mut self,
         side: BoxSide,
@@ -465,6 +446,8 @@ impl Search<'_> {
     ) {
         /// Halvings of the steps, from the column's width.
         const HALVINGS: i32 = 12;
+        self.note_inside(p);
+        self.climb(side, program, p, side.reach(column));
         for (k, n) in (1..=HALVINGS).flat_map(|k| (0..4).map(move |n| (k, n))) {
             let Some(inside) = &self.inside else { return };
             let axis = (side.axis + 1 + n % 2) % 3;

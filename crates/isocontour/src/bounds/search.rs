@@ -85,20 +85,31 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Finds out how much of the field is NaN.
-    fn undefined(&mut self, program: &Program) -> Undefined {
-        undefined(program, self.options, self.cancel, &mut self.scratch)
+    /// What makes the field NaN somewhere, if something does.
+    ///
+    /// # Errors
+    /// If the field is NaN everywhere.
+    fn undefined(
+        &mut self,
+        program: &Program,
+    ) -> Result<Option<String>, BoundsError> {
+        let searched = self.searched();
+        let Undefined { share, cause } =
+            undefined(program, self.options, self.cancel, &mut self.scratch);
+        match cause {
+            Some(cause) if share == 1.0 => {
+                Err(BoundsError::NotANumber { searched, cause })
+            }
+            cause => Ok(cause),
+        }
     }
 
     /// The error if nothing is inside, with the cause.
     pub(super) fn empty(&mut self, program: &Program) -> BoundsError {
         let searched = self.searched();
-        let Undefined { share, cause } = self.undefined(program);
-        match cause {
-            Some(cause) if share == 1.0 => {
-                BoundsError::NotANumber { searched, cause }
-            }
-            cause => BoundsError::Empty { searched, cause },
+        match self.undefined(program) {
+            Ok(cause) => BoundsError::Empty { searched, cause },
+            Err(error) => error,
         }
     }
 
@@ -137,16 +148,9 @@ impl<'a> Search<'a> {
         side: BoxSide,
         program: &Program,
     ) -> BoundsError {
-        let searched = self.searched();
-        match self.undefined(program) {
-            Undefined {
-                share: 1.0,
-                cause: Some(cause),
-            } => BoundsError::NotANumber { searched, cause },
-            _ => BoundsError::Undecided {
-                direction: side.name(),
-            },
-        }
+        let direction = side.name();
+        let undecided = BoundsError::Undecided { direction };
+        self.undefined(program).err().unwrap_or(undecided)
     }
 
     /// Looks at the middle of each far side. A model that is solid there is
@@ -197,10 +201,7 @@ impl<'a> Search<'a> {
             if f.centre < 0.0 {
                 self.note_inside(cell.centre());
             }
-            let program = match program.simplify(&self.scratch) {
-                Some(simple) => Rc::new(simple),
-                None => program,
-            };
+            let program = program.simplified(&self.scratch);
             if depth == DEPTH || program.len() <= short {
                 parts.push(Part { cell, program });
                 continue;
@@ -256,9 +257,7 @@ impl<'a> Search<'a> {
             }
             least = best;
             program.enclose(&self.region, &mut self.scratch);
-            if let Some(simple) = program.simplify(&self.scratch) {
-                program = Rc::new(simple);
-            }
+            program = program.simplified(&self.scratch);
         }
     }
 
@@ -303,10 +302,7 @@ impl<'a> Search<'a> {
                 if f.centre < 0.0 {
                     self.note_inside(cell.centre());
                 }
-                hull = Some(match hull {
-                    None => cell,
-                    Some(h) => h.joined(&cell),
-                });
+                hull = Some(hull.map_or(cell, |h| h.joined(&cell)));
             }
             let Some(hull) = hull else {
                 return Err(self.empty(&program));
@@ -324,9 +320,7 @@ impl<'a> Search<'a> {
                 return Ok(program);
             }
             program.enclose(&self.region, &mut self.scratch);
-            if let Some(simple) = program.simplify(&self.scratch) {
-                program = Rc::new(simple);
-            }
+            program = program.simplified(&self.scratch);
         }
     }
 
@@ -394,10 +388,8 @@ impl<'a> Search<'a> {
     /// Notes that a point is inside the model.
     pub(super) fn note_inside(&mut self, p: [f64; 3]) {
         let point = Cell { lo: p, hi: p };
-        self.inside = Some(match &self.inside {
-            None => point,
-            Some(known) => known.joined(&point),
-        });
+        let known = self.inside;
+        self.inside = Some(known.map_or(point, |known| known.joined(&point)));
     }
 }
 

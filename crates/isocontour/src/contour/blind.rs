@@ -18,8 +18,8 @@
 //!
 //! Not guaranteed: that a face without any node in it is noticed.
 
-use super::samples::Samples;
-use crate::field::{Batch, FieldError, Lattice, NODES, apart};
+use super::samples::Eyes;
+use crate::field::{FieldError, Leaf, NODES, apart};
 use glam::DVec2;
 use std::ops::Range;
 
@@ -115,42 +115,37 @@ fn judge(f: f32, beside: [f32; 6]) -> Blind {
     Blind { face, void }
 }
 
-/// Why the planes of a batch's layers are blind, of those that are needed. A
-/// layer may be named several times.
+/// Why the planes of leaves are blind, of those whose layers are needed. Each leaf
+/// stands for `span` layers. A layer may be named several times.
 pub(super) fn judge_planes(
-    batch: &mut Batch<'_>,
+    leaves: &[Leaf],
+    span: usize,
+    values: &[f32],
     needed: &Range<usize>,
-    z: &[f32],
-    lattice: &Lattice,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<Vec<(usize, Blind)>, FieldError> {
     // The layer and the value of each node that is looked at.
     let mut nodes: Vec<(usize, f32)> = Vec::new();
-    scratch.clear();
-    let of_leaf = batch.values.chunks_exact(NODES * NODES);
-    for (leaf, values) in batch.leaves.iter().zip(of_leaf) {
-        let span = leaf.layer..leaf.layer + batch.span;
+    eyes.clear();
+    let of_leaf = values.chunks_exact(NODES * NODES);
+    for (leaf, values) in leaves.iter().zip(of_leaf) {
+        let span = leaf.layer..leaf.layer + span;
         if span.end <= needed.start || needed.end <= span.start {
             continue;
         }
-        let z = z[leaf.layer];
+        let z = eyes.z[leaf.layer];
         let apart = apart(z);
         for k in suspects(values) {
             nodes.push((leaf.layer, values[k]));
-            let x = lattice.x[leaf.i + k % NODES];
-            let y = lattice.y[leaf.j + k / NODES];
+            let x = eyes.lattice.x[leaf.i + k % NODES];
+            let y = eyes.lattice.y[leaf.j + k / NODES];
             for [dx, dy, dz] in BESIDE {
                 let [x, y] = [x + dx * apart, y + dy * apart].map(f64::from);
-                scratch.push(DVec2::new(x, y), z + dz * apart);
+                eyes.push(DVec2::new(x, y), z + dz * apart);
             }
         }
     }
-    if nodes.is_empty() {
-        return Ok(Vec::new());
-    }
-    let s = &mut *scratch;
-    batch.sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
-    let beside = s.values.as_chunks().0;
+    let beside = eyes.values()?.as_chunks().0;
     let judged = nodes.iter().zip(beside);
     let judged = judged.map(|(&(layer, f), beside)| (layer, judge(f, *beside)));
     Ok(judged.collect())

@@ -1,12 +1,7 @@
 //! Finds edges that are near each other, by the squares of a grid.
 
+use crate::plane::shelves::Shelves;
 use glam::DVec2;
-
-/// Edges by the squares that they pass through.
-pub(super) struct Buckets {
-    starts: Vec<u32>,
-    items: Vec<u32>,
-}
 
 /// A grid of squares over some edges, about as large as the edges are long.
 struct Squares {
@@ -81,39 +76,30 @@ impl Squares {
     }
 }
 
-impl Buckets {
-    pub(super) fn new(
-        edges: impl Iterator<Item = (DVec2, DVec2)> + Clone,
-    ) -> Buckets {
-        let squares = Squares::over(edges.clone());
-        let count = squares.nx * squares.ny;
-        let mut starts = vec![0_u32; count + 1];
-        for edge in edges.clone() {
-            squares.visit(edge, |k| starts[k + 1] += 1);
+/// The numbers of edges by the squares that they pass through.
+pub(super) fn buckets(
+    edges: impl Iterator<Item = (DVec2, DVec2)> + Clone,
+) -> Shelves<u32> {
+    let squares = Squares::over(edges.clone());
+    Shelves::new(squares.nx * squares.ny, |put| {
+        for (edge, n) in edges.clone().zip(0..) {
+            squares.visit(edge, |square| put(square, n));
         }
-        for k in 0..count {
-            starts[k + 1] += starts[k];
-        }
-        let mut items = vec![0_u32; starts[count] as usize];
-        let mut free = starts.clone();
-        for (n, edge) in edges.enumerate() {
-            squares.visit(edge, |k| {
-                items[free[k] as usize] = n as u32;
-                free[k] += 1;
-            });
-        }
-        Buckets { starts, items }
-    }
+    })
+}
 
-    pub(super) fn buckets(&self) -> impl Iterator<Item = &[u32]> {
-        self.starts
-            .windows(2)
-            .map(|w| &self.items[w[0] as usize..w[1] as usize])
-    }
-
-    /// Numbers of edges, counted once for each square that they pass through.
-    #[cfg(test)]
-    pub(super) fn held(&self) -> usize {
-        self.items.len()
+/// Calls `see` for each two edges that pass through one square, as often as they
+/// share one.
+pub(super) fn each_pair(
+    edges: impl Iterator<Item = (DVec2, DVec2)> + Clone,
+    mut see: impl FnMut(u32, u32),
+) {
+    let buckets = buckets(edges);
+    for bucket in (0..buckets.count()).map(|k| buckets.at(k)) {
+        for (k, &m) in bucket.iter().enumerate() {
+            for &n in &bucket[k + 1..] {
+                see(m, n);
+            }
+        }
     }
 }

@@ -11,7 +11,7 @@
 //! and nothing on its right, by the rings' winding number. So rings that
 //! overlap become one, and rings turned inside out are dropped.
 
-use super::buckets::Buckets;
+use super::buckets::each_pair;
 use super::link::Joined;
 use crate::plane::edges;
 use glam::DVec2;
@@ -42,17 +42,12 @@ pub(super) fn at_crossings(
         })
         .collect();
     let mut pairs: Vec<(u32, u32)> = Vec::new();
-    for bucket in Buckets::new(list.iter().map(|e| (e.2, e.3))).buckets() {
-        for (k, &m) in bucket.iter().enumerate() {
-            let (.., a, b) = list[m as usize];
-            for &n in &bucket[k + 1..] {
-                let (.., c, d) = list[n as usize];
-                if places(a, b, c, d).is_some() {
-                    pairs.push((m, n));
-                }
-            }
+    each_pair(list.iter().map(|e| (e.2, e.3)), |m, n| {
+        let [(.., a, b), (.., c, d)] = [m, n].map(|k| list[k as usize]);
+        if places(a, b, c, d).is_some() {
+            pairs.push((m, n));
         }
-    }
+    });
     // Two edges may share several squares.
     pairs.sort_unstable();
     pairs.dedup();
@@ -80,10 +75,7 @@ pub(super) fn at_crossings(
     out.retain(|l| l.points.len() > 2 && bounds_part(&l.points, rings));
     // Rings without crossings stay as they are.
     let whole = some().filter(|&n| !on.iter().any(|o| o.0 == n));
-    out.extend(whole.map(|n| Joined {
-        points: rings[n].points.clone(),
-        fixed: rings[n].fixed.clone(),
-    }));
+    out.extend(whole.map(|n| rings[n].clone()));
     Some(out)
 }
 

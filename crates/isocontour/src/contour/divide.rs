@@ -15,12 +15,12 @@
 //! divided.
 
 use super::link::Crossing;
-use super::refine::{Bracket, refine};
-use super::samples::Samples;
-use super::trace::{Chord, End, Look, Vertex, line, lines_cross, look, trace};
+use super::refine::{Bracket, End, refine};
+use super::samples::Eyes;
+use super::trace::{Chord, Look, Vertex, line, lines_cross, look, trace};
 use crate::Length;
-use crate::cells::{CASES, JOINED_5, JOINED_10};
-use crate::field::{FieldError, Lattice, Sampler};
+use crate::cells::segments;
+use crate::field::{FieldError, Lattice};
 use crate::plane::Rect;
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_2;
@@ -85,8 +85,7 @@ const AGAINST: usize = 8;
 struct Patch {
     x: Vec<f32>,
     y: Vec<f32>,
-    /// True for each node that is inside, row by row.
-    inside: Vec<bool>,
+    /// The values at the nodes, row by row.
     values: Vec<f32>,
     /// Numbers of vertices by edge: first the edges along x, then those along
     /// y.
@@ -96,6 +95,16 @@ struct Patch {
 impl Patch {
     fn node(&self, a: usize, b: usize) -> usize {
         b * self.x.len() + a
+    }
+
+    fn is_inside(&self, node: usize) -> bool {
+        self.values[node] < 0.0
+    }
+
+    /// True if an edge has a sign change.
+    fn changes(&self, a: usize, b: usize, dir: usize) -> bool {
+        let next = self.node(a + 1 - dir, b + dir);
+        self.is_inside(self.node(a, b)) != self.is_inside(next)
     }
 
     fn point(&self, a: usize, b: usize) -> DVec2 {
@@ -109,7 +118,7 @@ impl Patch {
     /// Which corners of a part are inside, as a bit each, counter-clockwise from
     /// the lower left one.
     fn case(&self, a: usize, b: usize) -> usize {
-        let bit = |a, b| usize::from(self.inside[self.node(a, b)]);
+        let bit = |a, b| usize::from(self.is_inside(self.node(a, b)));
         bit(a, b)
             | bit(a + 1, b) << 1
             | bit(a + 1, b + 1) << 2
@@ -147,7 +156,7 @@ impl Patch {
             let mut places = [0; DENSE];
             let (mut count, mut found) = (0, false);
             for k in 1..n {
-                if self.inside[at(k - 1)] != self.inside[at(k)] {
+                if self.is_inside(at(k - 1)) != self.is_inside(at(k)) {
                     places[count % DENSE] = k;
                     count += 1;
                     // The next change overwrites the oldest of the last few.
@@ -193,57 +202,43 @@ fn nodes(axis: &[f32], from: usize, parts: usize) -> Vec<f32> {
 /// Finds the outline in cells by sampling them more finely.
 pub(super) fn divide(
     cells: &[Cell],
-    lattice: &Lattice,
-    z: &[f32],
     fineness: Fineness,
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<Divided, FieldError> {
     let mut out = Divided::default();
     if cells.is_empty() {
         return Ok(out);
     }
-    let mut patches =
-        sample(cells, lattice, z, fineness.parts, sampler, scratch)?;
+    let mut patches = sample(cells, fineness.parts, eyes)?;
     let widths = patches.iter().map(|p| p.too_fine(fineness.smallest));
     out.widths = widths.collect();
-    find_vertices(cells, &mut patches, lattice, z, &mut out, sampler, scratch)?;
-    connect(cells, &patches, z, fineness, &mut out, sampler, scratch)?;
+    find_vertices(cells, &mut patches, &mut out, eyes)?;
+    connect(cells, &patches, fineness, &mut out, eyes)?;
     Ok(out)
 }
 
 fn sample(
     cells: &[Cell],
-    lattice: &Lattice,
-    z: &[f32],
     parts: usize,
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<Vec<Patch>, FieldError> {
-    scratch.clear();
+    eyes.clear();
     let mut patches = Vec::with_capacity(cells.len());
     for cell in cells {
-        let x = nodes(&lattice.x, cell.at[0], parts);
-        let y = nodes(&lattice.y, cell.at[1], parts);
-        for &v in &y {
-            scratch.x.extend_from_slice(&x);
-            scratch.y.extend(x.iter().map(|_| v));
-            scratch.z.extend(x.iter().map(|_| z[cell.layer]));
-        }
-        patches.push(Patch {
-            x,
-            y,
-            inside: Vec::new(),
+        let patch = Patch {
+            x: nodes(&eyes.lattice.x, cell.at[0], parts),
+            y: nodes(&eyes.lattice.y, cell.at[1], parts),
             values: Vec::new(),
             slots: vec![u32::MAX; 2 * parts * (parts + 1)],
-        });
+        };
+        for (a, b) in places(parts + 1) {
+            eyes.push(patch.point(a, b), eyes.z[cell.layer]);
+        }
+        patches.push(patch);
     }
-    let s = &mut *scratch;
-    sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
-    let count = (parts + 1) * (parts + 1);
-    for (p, values) in patches.iter_mut().zip(s.values.chunks_exact(count)) {
-        p.values = values.to_vec();
-        p.inside = values.iter().map(|&f| f < 0.0).collect();
+    let values = eyes.values()?.chunks_exact((parts + 1) * (parts + 1));
+    for (patch, values) in patches.iter_mut().zip(values) {
+        patch.values = values.to_vec();
     }
     Ok(patches)
 }
@@ -272,29 +267,22 @@ fn side(
 fn find_vertices(
     cells: &[Cell],
     patches: &mut [Patch],
-    lattice: &Lattice,
-    z: &[f32],
     out: &mut Divided,
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<(), FieldError> {
     let mut brackets = Vec::new();
-    let mut heights = Vec::new();
     let mut numbers = Vec::new();
     for (cell, patch) in cells.iter().zip(patches) {
         let parts = patch.x.len() - 1;
-        let changes = |a: usize, b: usize, dir: usize| {
-            let next = patch.node(a + 1 - dir, b + dir);
-            patch.inside[patch.node(a, b)] != patch.inside[next]
-        };
         // Crossings of the sides come first, since they have names.
         let mut names = vec![Crossing::NONE; patch.slots.len()];
         let mut wrong = [false; 4];
         let mut known = Vec::new();
         for (which, wrong) in wrong.iter_mut().enumerate() {
-            let (edge, edges) = side(cell, which, lattice, parts);
-            let own: Vec<_> =
-                edges.filter(|&(a, b, dir)| changes(a, b, dir)).collect();
+            let (edge, edges) = side(cell, which, eyes.lattice, parts);
+            let own: Vec<_> = edges
+                .filter(|&(a, b, dir)| patch.changes(a, b, dir))
+                .collect();
             let vertex = cell.vertices[which];
             if let (&[(a, b, dir)], Some(v)) = (&own[..], vertex)
                 && between(v.end.point, patch, a, b, dir)
@@ -318,11 +306,7 @@ fn find_vertices(
             for b in 0..=parts - dir {
                 for a in 0..parts + dir {
                     let slot = patch.slot(a, b, dir);
-                    let next = (a + 1 - dir, b + dir);
-                    let (p, q) = (patch.node(a, b), patch.node(next.0, next.1));
-                    if patch.inside[p] == patch.inside[q]
-                        || slots[slot] != u32::MAX
-                    {
+                    if !patch.changes(a, b, dir) || slots[slot] != u32::MAX {
                         continue;
                     }
                     slots[slot] = out.vertices.len() as u32;
@@ -331,24 +315,19 @@ fn find_vertices(
                         end: End::default(),
                         crossing: names[slot],
                     });
-                    let ends = (patch.point(a, b), patch.point(next.0, next.1));
-                    let f = (patch.values[p], patch.values[q]);
-                    brackets.push(if patch.inside[p] {
-                        Bracket::new(ends.0, ends.1, f.0, f.1)
-                    } else {
-                        Bracket::new(ends.1, ends.0, f.1, f.0)
-                    });
-                    heights.push(z[cell.layer]);
+                    let ends = [(a, b), (a + 1 - dir, b + dir)];
+                    brackets.push(Bracket::new(
+                        ends.map(|(a, b)| patch.point(a, b)),
+                        ends.map(|(a, b)| patch.values[patch.node(a, b)]),
+                        eyes.z[cell.layer],
+                    ));
                 }
             }
         }
         patch.slots = slots;
     }
-    let gradients = refine(&mut brackets, &heights, sampler, scratch)?;
-    for ((n, b), gradient) in numbers.into_iter().zip(&brackets).zip(gradients)
-    {
-        let point = b.point();
-        out.vertices[n].end = End { point, gradient };
+    for (n, end) in numbers.into_iter().zip(refine(&mut brackets, eyes)?) {
+        out.vertices[n].end = end;
     }
     Ok(())
 }
@@ -370,27 +349,19 @@ fn between(p: DVec2, patch: &Patch, a: usize, b: usize, dir: usize) -> bool {
 fn connect(
     cells: &[Cell],
     patches: &[Patch],
-    z: &[f32],
     fineness: Fineness,
     out: &mut Divided,
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<(), FieldError> {
     let parts = fineness.parts;
-    let mut joined =
-        joined_saddles(cells, patches, z, parts, sampler, scratch)?.into_iter();
+    let mut joined = joined_saddles(cells, patches, parts, eyes)?.into_iter();
     let mut chords = Chords::default();
     for (n, (cell, p)) in cells.iter().zip(patches).enumerate() {
         let in_vain = out.widths[n].is_some();
         let first = chords.all.len();
         let (mut count, mut against) = (0, 0);
         for (a, b) in places(parts) {
-            let case = p.case(a, b);
-            let list = match case {
-                5 if joined.next() == Some(true) => JOINED_5,
-                10 if joined.next() == Some(true) => JOINED_10,
-                _ => CASES[case],
-            };
+            let list = segments(p.case(a, b), || joined.next() == Some(true));
             for (n, &edges) in list.iter().enumerate() {
                 let [from, to] =
                     <[u8; 2]>::from(edges).map(|edge| p.vertex(a, b, edge));
@@ -414,7 +385,7 @@ fn connect(
                         // The tip of a corner may reach far between the nodes,
                         // up to a whole cell of the lattice.
                         beyond: parts as f64,
-                        z: z[cell.layer],
+                        z: eyes.z[cell.layer],
                     });
                 }
                 out.pieces.push(OutlinePiece {
@@ -430,7 +401,7 @@ fn connect(
             chords.truncate(first);
         }
     }
-    chords.follow(fineness, out, sampler, scratch)
+    chords.follow(fineness, out, eyes)
 }
 
 /// The parts of a cell that has `parts` along each side.
@@ -443,25 +414,18 @@ fn places(parts: usize) -> impl Iterator<Item = (usize, usize)> {
 fn joined_saddles(
     cells: &[Cell],
     patches: &[Patch],
-    z: &[f32],
     parts: usize,
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<Vec<bool>, FieldError> {
-    scratch.clear();
+    eyes.clear();
     for (cell, p) in cells.iter().zip(patches) {
         let is_saddle =
             |&(a, b): &(usize, usize)| matches!(p.case(a, b), 5 | 10);
         for (a, b) in places(parts).filter(is_saddle) {
-            scratch.push(p.cell(a, b).centre(), z[cell.layer]);
+            eyes.push(p.cell(a, b).centre(), eyes.z[cell.layer]);
         }
     }
-    if scratch.x.is_empty() {
-        return Ok(Vec::new());
-    }
-    let s = &mut *scratch;
-    sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
-    Ok(s.values.iter().map(|&f| f < 0.0).collect())
+    Ok(eyes.values()?.iter().map(|&f| f < 0.0).collect())
 }
 
 /// Chords of pieces that have to be followed.
@@ -484,12 +448,11 @@ impl Chords {
         self,
         fineness: Fineness,
         out: &mut Divided,
-        sampler: &mut dyn Sampler,
-        scratch: &mut Samples,
+        eyes: &mut Eyes<'_>,
     ) -> Result<(), FieldError> {
         let Chords { all, owners } = self;
         let (near, far) = (fineness.tolerance, fineness.trusted);
-        let mut traced = trace(&all, near, far, sampler, scratch)?;
+        let mut traced = trace(&all, near, far, eyes)?;
         for k in (1..all.len()).filter(|&k| owners[k].1) {
             let [one, other] = [k - 1, k]
                 .map(|k| line(&all[k], &traced[k]).collect::<Vec<DVec2>>());

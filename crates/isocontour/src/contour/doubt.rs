@@ -16,9 +16,9 @@
 //! Not guaranteed: that a feature shows where another feature's field hides it
 //! from all of the nodes around it.
 
-use super::samples::Samples;
+use super::samples::Eyes;
 use crate::cells::{Place, bits};
-use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
+use crate::field::{FieldError, LEAF, Leaf, NODES};
 use glam::DVec2;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -179,16 +179,13 @@ struct Border {
 pub(super) fn doubts(
     leaves: &[Leaf],
     values: &[f32],
-    z: &[f32],
-    lattice: &Lattice,
     few: bool,
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<(Vec<Place>, Vec<usize>), FieldError> {
     let mut found: Vec<Place> = Vec::new();
     let mut borders: Vec<Border> = Vec::new();
     let reach = if few { NEAR } else { FAR };
-    scratch.clear();
+    eyes.clear();
     let all: &[Values] = values.as_chunks().0;
     let mut sifted = Vec::with_capacity(all.len());
     Arch::new().dispatch(Sift {
@@ -235,10 +232,10 @@ pub(super) fn doubts(
                         f64::from(axis[k as usize])
                     };
                     let p = DVec2::new(
-                        node(&lattice.x, leaf.i, dx),
-                        node(&lattice.y, leaf.j, dy),
+                        node(&eyes.lattice.x, leaf.i, dx),
+                        node(&eyes.lattice.y, leaf.j, dy),
                     );
-                    scratch.push(p, z[leaf.layer]);
+                    eyes.push(p, eyes.z[leaf.layer]);
                     borders.push(Border {
                         leaf: n,
                         inner,
@@ -248,15 +245,11 @@ pub(super) fn doubts(
             }
         }
     }
-    if !borders.is_empty() {
-        let s = &mut *scratch;
-        sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
-        for (b, &beyond) in borders.iter().zip(&s.values) {
-            let [first, second, third] = b.inner;
-            if doubt([beyond, first, second, third], reach) > 0.0 {
-                let cells = b.cells.into_iter().flatten();
-                found.extend(cells.map(|c| (b.leaf, c)));
-            }
+    for (b, &beyond) in borders.iter().zip(eyes.values()?) {
+        let [first, second, third] = b.inner;
+        if doubt([beyond, first, second, third], reach) > 0.0 {
+            let cells = b.cells.into_iter().flatten();
+            found.extend(cells.map(|c| (b.leaf, c)));
         }
     }
     found.sort_unstable();

@@ -7,7 +7,7 @@
 use super::link::NONE;
 use super::refine::Bracket;
 use crate::cells::bits;
-use crate::field::{Batch, LEAF, Lattice, Leaf, NODES};
+use crate::field::{LEAF, Lattice, Leaf, NODES};
 use glam::DVec2;
 
 /// Nodes of a leaf.
@@ -40,9 +40,9 @@ pub(super) struct Edge {
 }
 
 impl Edge {
-    pub(super) fn bracket(&self) -> Bracket {
-        let [f, g] = self.field;
-        Bracket::new(self.inside, self.outside, f, g)
+    pub(super) fn bracket(&self, z: &[f32]) -> Bracket {
+        let z = z[self.layer as usize];
+        Bracket::new([self.inside, self.outside], self.field, z)
     }
 }
 
@@ -59,18 +59,28 @@ pub(super) struct Edges {
 
 impl Edges {
     /// Finds the crossed edges of a batch.
-    pub(super) fn find(&mut self, batch: &Batch<'_>, lattice: &Lattice) {
+    pub(super) fn find(
+        &mut self,
+        leaves: &[Leaf],
+        values: &[f32],
+        lattice: &Lattice,
+    ) {
         self.all.clear();
         self.rows.clear();
         self.slots.clear();
-        for n in 0..batch.leaves.len() {
-            self.leaf(batch, n, lattice);
+        for (n, values) in values.chunks_exact(COUNT).enumerate() {
+            self.leaf(&leaves[n], &leaves[..n], values, lattice);
         }
     }
 
-    fn leaf(&mut self, batch: &Batch<'_>, n: usize, lattice: &Lattice) {
-        let leaf = &batch.leaves[n];
-        let values = &batch.values[n * COUNT..(n + 1) * COUNT];
+    /// Finds the edges of a leaf, given those that came before it.
+    fn leaf(
+        &mut self,
+        leaf: &Leaf,
+        known: &[Leaf],
+        values: &[f32],
+        lattice: &Lattice,
+    ) {
         let mut rows = [0u16; NODES];
         for (row, v) in rows.iter_mut().zip(values.chunks_exact(NODES)) {
             for (i, &f) in v.iter().enumerate() {
@@ -80,7 +90,6 @@ impl Edges {
         let mut slots = [NONE; EDGES];
         let beside = |di: usize, dj: usize| {
             let (i, j) = (leaf.i.checked_sub(di)?, leaf.j.checked_sub(dj)?);
-            let known = &batch.leaves[..n];
             let place = |l: &Leaf| (l.layer, l.j, l.i);
             // Batches come in this order. If one does not, some leaves are not
             // found here, and an edge that two leaves share is noted for both.
@@ -99,10 +108,7 @@ impl Edges {
         }
         let width = lattice.width() + 1;
         let corner = leaf.j * width + leaf.i;
-        let x = &lattice.x[leaf.i..leaf.i + NODES];
-        let y = &lattice.y[leaf.j..leaf.j + NODES];
-        let at =
-            |i: usize, j: usize| DVec2::new(f64::from(x[i]), f64::from(y[j]));
+        let at = |i: usize, j: usize| lattice.node(leaf.i + i, leaf.j + j);
         let all = &mut self.all;
         let mut add = |slot: usize, [i, j]: [usize; 2], [k, l]: [usize; 2]| {
             if slots[slot] != NONE {

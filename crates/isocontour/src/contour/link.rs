@@ -37,22 +37,10 @@ impl Crossing {
         let part = Self::WHOLE;
         Crossing { edge, part }
     }
-
-    /// The crossing as one number, which keeps the order.
-    fn key(self) -> u64 {
-        u64::from(self.edge) << 32 | u64::from(self.part)
-    }
-
-    fn of_key(key: u64) -> Crossing {
-        Crossing {
-            edge: (key >> 32) as u32,
-            part: key as u32,
-        }
-    }
 }
 
-/// A crossing's key, and the vertex there at which a chain ends or begins.
-type Loose = (u64, u32);
+/// A crossing, and the vertex there at which a chain ends or begins.
+type Loose = (Crossing, u32);
 
 /// The samples that are missing from a layer whose chains do not close.
 #[derive(Default)]
@@ -64,7 +52,7 @@ pub(super) struct Missing {
 }
 
 /// A closed ring.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Joined {
     pub points: Ring,
     /// True for each point that lies on an edge of the lattice or of a divided
@@ -201,7 +189,7 @@ impl Chains {
         for i in loose.cut.drain(..).chain(new) {
             let link = &self.links[i as usize];
             if let Some(n) = role(link) {
-                loose.lists[n].push((link.crossing.key(), i));
+                loose.lists[n].push((link.crossing, i));
             }
         }
         for list in &mut loose.lists {
@@ -316,11 +304,9 @@ impl Chains {
     /// A vertex at which a chain ends or begins, with its place.
     fn lonely(
         &self,
-        crossing: u64,
-        vertex: u32,
+        (Crossing { edge, .. }, vertex): Loose,
         ends: bool,
     ) -> (u32, f64, u32, bool) {
-        let edge = Crossing::of_key(crossing).edge;
         let dir = (edge % 2) as usize;
         let along = self.links[vertex as usize].point[dir];
         (edge, along, vertex, ends)
@@ -354,14 +340,11 @@ impl Chains {
                 self.connect(end, start);
                 taken[at] = true;
             } else {
-                lonely.push(self.lonely(crossing, end, true));
+                lonely.push(self.lonely((crossing, end), true));
             }
         }
-        for (&(crossing, start), taken) in starts.iter().zip(taken) {
-            if !taken {
-                lonely.push(self.lonely(crossing, start, false));
-            }
-        }
+        let left = starts.iter().zip(taken).filter(|(_, taken)| !taken);
+        lonely.extend(left.map(|(start, _)| self.lonely(*start, false)));
         // The cells on both sides of an edge disagree, and nothing more can be
         // found out. A part of the edge that only one of them takes to be
         // inside ends at the edge.
@@ -416,10 +399,10 @@ impl Chains {
 fn without(first: &[Loose], second: &[Loose]) -> Vec<Crossing> {
     let mut rest = second.iter().map(|x| x.0).peekable();
     let mut out = Vec::new();
-    for &(key, _) in first {
-        while rest.next_if(|other| *other < key).is_some() {}
-        if rest.peek() != Some(&key) {
-            out.push(Crossing::of_key(key));
+    for &(crossing, _) in first {
+        while rest.next_if(|other| *other < crossing).is_some() {}
+        if rest.peek() != Some(&crossing) {
+            out.push(crossing);
         }
     }
     out

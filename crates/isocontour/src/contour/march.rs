@@ -11,17 +11,16 @@
 use super::blind::{Blind, judge_planes};
 use super::divide::{Cell, Divided, Fineness, divide};
 use super::doubt::doubts;
-use super::edges::{Edge, Edges};
+use super::edges::Edges;
 use super::link::{Crossing, NONE};
-use super::noise::{Eyes, Noise};
+use super::noise::Noise;
 use super::refine::{Bracket, refine};
 use super::runs::Runs;
-use super::samples::Samples;
-use super::trace::{Chord, End, Look, Traced, Vertex, look, trace};
+use super::samples::{Eyes, Samples};
+use super::trace::{Chord, Look, Traced, Vertex, look, trace};
 use crate::Length;
-use crate::cells::{CASES, JOINED_5, JOINED_10, Place, bits};
+use crate::cells::{Place, bits, segments};
 use crate::field::{Batch, FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
-use crate::plane::Rect;
 use glam::DVec2;
 use std::ops::Range;
 
@@ -89,7 +88,7 @@ const AT_ONCE: usize = 1 << 16;
 pub(super) struct Marcher<'a> {
     lattice: &'a Lattice,
     precision: Precision,
-    z: Vec<f32>,
+    z: &'a [f32],
     nan: Vec<usize>,
     /// For each layer, why its plane is blind.
     blind: Vec<Blind>,
@@ -103,31 +102,20 @@ pub(super) struct Marcher<'a> {
     saddles: Vec<(usize, usize, bool)>,
     /// Segments that bend, each with the point that it bends through.
     bends: Vec<(usize, DVec2)>,
-    scratch: Samples,
-}
-
-/// What a marcher's noise is looked at with. A method would borrow the noise, too.
-macro_rules! eyes {
-    ($marcher:ident, $batch:ident) => {
-        Eyes {
-            z: &$marcher.z,
-            lattice: $marcher.lattice,
-            sampler: &mut *$batch.sampler,
-            scratch: &mut $marcher.scratch,
-        }
-    };
+    /// Memory for looks at the field between batches.
+    samples: Samples,
 }
 
 impl<'a> Marcher<'a> {
     pub(super) fn new(
         lattice: &'a Lattice,
-        z: &[Length],
+        z: &'a [f32],
         precision: Precision,
     ) -> Self {
         Marcher {
             lattice,
             precision,
-            z: z.iter().map(|&z| z as f32).collect(),
+            z,
             nan: vec![0; z.len()],
             blind: vec![Blind::NOT; z.len()],
             noise: Noise::new(precision.smallest),
@@ -136,7 +124,7 @@ impl<'a> Marcher<'a> {
             segments: Vec::new(),
             saddles: Vec::new(),
             bends: Vec::new(),
-            scratch: Samples::default(),
+            samples: Samples::default(),
         }
     }
 
@@ -156,11 +144,18 @@ impl<'a> Marcher<'a> {
         if heeded == Blind::NOT {
             return Ok(());
         }
-        let (z, lattice) = (&self.z, self.lattice);
-        let scratch = &mut self.scratch;
-        let judged = judge_planes(batch, needed, z, lattice, scratch)?;
+        let Batch {
+            leaves,
+            span,
+            values,
+            ..
+        } = *batch;
+        let mut samples = std::mem::take(&mut self.samples);
+        let eyes = &mut self.eyes(&mut *batch.sampler, &mut samples);
+        let judged = judge_planes(leaves, span, values, needed, eyes)?;
+        self.samples = samples;
         for (layer, blind) in judged {
-            let span = layer..layer + batch.span;
+            let span = layer..layer + span;
             for k in span.filter(|k| needed.contains(k)) {
                 self.blind[k] = self.blind[k].or(blind.and(heeded));
             }
@@ -177,13 +172,12 @@ impl<'a> Marcher<'a> {
     /// leaves stands for `weight` layers that are needed.
     pub(super) fn march(
         &mut self,
-        mut batch: Batch<'_>,
+        batch: Batch<'_>,
         weight: usize,
         runs: &mut Runs,
     ) -> Result<(), FieldError> {
-        for (leaf, values) in
-            batch.leaves.iter().zip(batch.values.chunks_exact(COUNT))
-        {
+        let (leaves, values) = (batch.leaves, batch.values);
+        for (leaf, values) in leaves.iter().zip(values.chunks_exact(COUNT)) {
             let span = leaf.layer..leaf.layer + batch.span;
             for k in runs.firsts(span.clone()) {
                 runs.at(k).visited(leaf);
@@ -191,56 +185,67 @@ impl<'a> Marcher<'a> {
             let nan = values.iter().filter(|f| f.is_nan()).count();
             self.nan[span].iter_mut().for_each(|sum| *sum += nan);
         }
-        let mut eyes = eyes!(self, batch);
-        self.noise
-            .look(batch.leaves, batch.values, weight, &mut eyes)?;
-        self.vertices(&mut batch)?;
-        let steep = self.too_steep();
-        let mut eyes = eyes!(self, batch);
-        for n in steep {
-            let leaf = &batch.leaves[n];
-            self.noise.look_into(n, leaf, true, &mut eyes)?;
+        let above = runs_above(&batch, runs);
+        let mut samples = std::mem::take(&mut self.samples);
+        let eyes = &mut self.eyes(batch.sampler, &mut samples);
+        self.noise.look(leaves, values, weight, eyes)?;
+        self.vertices(leaves, values, eyes)?;
+        for n in self.too_steep() {
+            self.noise.look_into(n, &leaves[n], true, eyes)?;
         }
-        let (chords, traced) = self.trace(&mut *batch.sampler)?;
-        let (mut divide, in_doubt) = doubts(
-            batch.leaves,
-            batch.values,
-            &self.z,
-            self.lattice,
-            self.lattice.spacing <= self.precision.smallest,
-            batch.sampler,
-            &mut self.scratch,
-        )?;
-        divide.extend(self.unexplained(batch.leaves, &chords, &traced));
-        let mut eyes = eyes!(self, batch);
+        let (chords, traced) = self.trace(eyes)?;
+        let few = self.lattice.spacing <= self.precision.smallest;
+        let (mut divide, in_doubt) = doubts(leaves, values, few, eyes)?;
+        divide.extend(self.unexplained(leaves, &chords, &traced));
         for n in in_doubt {
-            let leaf = &batch.leaves[n];
-            self.noise.look_into(n, leaf, true, &mut eyes)?;
+            self.noise.look_into(n, &leaves[n], true, eyes)?;
         }
-        let divided = self.divide(divide, true, &mut batch)?;
-        for up in runs_above(&batch, runs) {
+        let divided = self.divide(divide, true, leaves, eyes)?;
+        self.samples = samples;
+        for up in above {
             self.append(runs, up, &chords, &traced, &divided);
-            self.leave(batch.leaves, runs, up);
+            self.leave(leaves, runs, up);
         }
         Ok(())
+    }
+
+    /// The means to look at points of a batch, with memory of its own.
+    fn eyes<'e>(
+        &self,
+        sampler: &'e mut dyn Sampler,
+        samples: &'e mut Samples,
+    ) -> Eyes<'e>
+    where
+        'a: 'e,
+    {
+        Eyes {
+            z: self.z,
+            lattice: self.lattice,
+            sampler,
+            samples,
+        }
     }
 
     /// Divides given cells of a batch's leaves. Their outline has been taken
     /// out of the chains.
     pub(super) fn redivide(
         &mut self,
-        mut batch: Batch<'_>,
-        cells: &[(usize, [usize; 2])],
+        batch: Batch<'_>,
+        cells: &[Place],
         runs: &mut Runs,
     ) -> Result<(), FieldError> {
-        self.noise.begin(batch.leaves, 1);
-        self.vertices(&mut batch)?;
+        let leaves = batch.leaves;
+        self.noise.begin(leaves, 1);
+        let mut samples = std::mem::take(&mut self.samples);
+        let eyes = &mut self.eyes(batch.sampler, &mut samples);
+        self.vertices(leaves, batch.values, eyes)?;
         self.segments.clear();
         self.bends.clear();
-        let divided = self.divide(cells.to_vec(), false, &mut batch)?;
+        let divided = self.divide(cells.to_vec(), false, leaves, eyes)?;
+        self.samples = samples;
         self.vertices.clear();
         self.append(runs, 0, &[], &[], &divided);
-        self.leave(batch.leaves, runs, 0);
+        self.leave(leaves, runs, 0);
         Ok(())
     }
 
@@ -263,29 +268,23 @@ impl<'a> Marcher<'a> {
     }
 
     /// Finds the batch's vertices and how they are connected.
-    fn vertices(&mut self, batch: &mut Batch<'_>) -> Result<(), FieldError> {
-        self.edges.find(batch, self.lattice);
-        self.decide_saddles(batch.leaves, &mut *batch.sampler)?;
-        self.find_segments(batch.leaves);
+    fn vertices(
+        &mut self,
+        leaves: &[Leaf],
+        values: &[f32],
+        eyes: &mut Eyes<'_>,
+    ) -> Result<(), FieldError> {
+        self.edges.find(leaves, values, self.lattice);
+        self.decide_saddles(leaves, eyes)?;
+        self.find_segments(leaves);
         let edges = &self.edges.all;
         let mut brackets: Vec<Bracket> =
-            edges.iter().map(Edge::bracket).collect();
-        let heights: Vec<f32> =
-            edges.iter().map(|e| self.z[e.layer as usize]).collect();
-        let gradients = refine(
-            &mut brackets,
-            &heights,
-            &mut *batch.sampler,
-            &mut self.scratch,
-        )?;
+            edges.iter().map(|edge| edge.bracket(self.z)).collect();
+        let ends = refine(&mut brackets, eyes)?;
         self.vertices.clear();
-        let found = brackets.iter().zip(gradients).zip(edges);
         self.vertices
-            .extend(found.map(|((found, gradient), edge)| Vertex {
-                end: End {
-                    point: found.point(),
-                    gradient,
-                },
+            .extend(ends.into_iter().zip(edges).map(|(end, edge)| Vertex {
+                end,
                 crossing: Crossing::whole(edge.number),
             }));
         Ok(())
@@ -312,7 +311,7 @@ impl<'a> Marcher<'a> {
     /// Returns the numbers of these segments, and the outcome for each.
     fn trace(
         &mut self,
-        sampler: &mut dyn Sampler,
+        eyes: &mut Eyes<'_>,
     ) -> Result<(Vec<usize>, Vec<Traced>), FieldError> {
         let Fineness {
             tolerance, trusted, ..
@@ -334,22 +333,17 @@ impl<'a> Marcher<'a> {
                 _ => {}
             }
             let [i, j] = s.cell;
-            let node = |i: usize, j: usize| {
-                let (x, y) = (self.lattice.x[i], self.lattice.y[j]);
-                DVec2::new(f64::from(x), f64::from(y))
-            };
             numbers.push(n);
             chords.push(Chord {
                 from,
                 to,
-                cell: Rect::new(node(i, j), node(i + 1, j + 1)),
+                cell: self.lattice.cell(i, j),
                 // The division of the cell will find the corner.
                 beyond: 0.0,
                 z: self.z[s.layer],
             });
         }
-        let scratch = &mut self.scratch;
-        let traced = trace(&chords, tolerance, trusted, sampler, scratch)?;
+        let traced = trace(&chords, tolerance, trusted, eyes)?;
         Ok((numbers, traced))
     }
 
@@ -390,7 +384,8 @@ impl<'a> Marcher<'a> {
         &mut self,
         mut wanted: Vec<Place>,
         spread: bool,
-        batch: &mut Batch<'_>,
+        leaves: &[Leaf],
+        eyes: &mut Eyes<'_>,
     ) -> Result<Vec<(Vec<Cell>, Divided)>, FieldError> {
         let fineness = self.precision.fineness(self.lattice.spacing);
         let mut done: Vec<Place> = Vec::new();
@@ -399,8 +394,7 @@ impl<'a> Marcher<'a> {
             wanted.sort_unstable();
             wanted.dedup();
             wanted.retain(|c| done.binary_search(c).is_err());
-            let mut eyes = eyes!(self, batch);
-            self.noise.dividing(batch.leaves, &wanted, &mut eyes)?;
+            self.noise.dividing(leaves, &wanted, eyes)?;
             // Cells of leaves that are too fine keep their outline. Without
             // `spread` it has been taken out already, so they are divided.
             wanted.retain(|&(leaf, _)| !(spread && self.noise.is_in(leaf)));
@@ -410,16 +404,9 @@ impl<'a> Marcher<'a> {
             let mut next = Vec::new();
             let at_once = AT_ONCE / (fineness.parts * fineness.parts);
             for wanted in wanted.chunks(at_once.max(1)) {
-                let cells = wanted.iter().map(|&c| self.cell(batch.leaves, c));
+                let cells = wanted.iter().map(|&c| self.cell(leaves, c));
                 let cells: Vec<Cell> = cells.collect();
-                let divided = divide(
-                    &cells,
-                    self.lattice,
-                    &self.z,
-                    fineness,
-                    &mut *batch.sampler,
-                    &mut self.scratch,
-                )?;
+                let divided = divide(&cells, fineness, eyes)?;
                 let places = wanted.iter().zip(&cells);
                 for ((place, cell), width) in places.zip(&divided.widths) {
                     if let Some(width) = *width
@@ -436,7 +423,7 @@ impl<'a> Marcher<'a> {
                             [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]];
                         let wrong = beside.iter().zip(wrong).filter(|x| *x.1);
                         next.extend(wrong.filter_map(|(at, _)| {
-                            find(batch.leaves, cell.layer, *at)
+                            find(leaves, cell.layer, *at)
                         }));
                     }
                 }
@@ -449,7 +436,7 @@ impl<'a> Marcher<'a> {
     }
 
     /// A cell with what the lattice knows of it.
-    fn cell(&self, leaves: &[Leaf], (n, [i, j]): (usize, [usize; 2])) -> Cell {
+    fn cell(&self, leaves: &[Leaf], (n, [i, j]): Place) -> Cell {
         Cell {
             layer: leaves[n].layer,
             at: [leaves[n].i + i, leaves[n].j + j],
@@ -464,10 +451,10 @@ impl<'a> Marcher<'a> {
     fn decide_saddles(
         &mut self,
         leaves: &[Leaf],
-        sampler: &mut dyn crate::field::Sampler,
+        eyes: &mut Eyes<'_>,
     ) -> Result<(), FieldError> {
         self.saddles.clear();
-        self.scratch.clear();
+        eyes.clear();
         for (n, leaf) in leaves.iter().enumerate() {
             for j in 0..LEAF {
                 let [low, high] = self.edges.row(n, j);
@@ -479,22 +466,12 @@ impl<'a> Marcher<'a> {
                     & 0xff;
                 for i in bits(mask) {
                     self.saddles.push((n, j * LEAF + i, false));
-                    let (ci, cj) = (leaf.i + i, leaf.j + j);
-                    let l = self.lattice;
-                    let centre = DVec2::new(
-                        0.5 * (f64::from(l.x[ci]) + f64::from(l.x[ci + 1])),
-                        0.5 * (f64::from(l.y[cj]) + f64::from(l.y[cj + 1])),
-                    );
-                    self.scratch.push(centre, self.z[leaf.layer]);
+                    let cell = self.lattice.cell(leaf.i + i, leaf.j + j);
+                    eyes.push(cell.centre(), self.z[leaf.layer]);
                 }
             }
         }
-        if self.saddles.is_empty() {
-            return Ok(());
-        }
-        let s = &mut self.scratch;
-        sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
-        for (saddle, &f) in self.saddles.iter_mut().zip(&s.values) {
+        for (saddle, &f) in self.saddles.iter_mut().zip(eyes.values()?) {
             saddle.2 = f < 0.0;
         }
         Ok(())
@@ -516,15 +493,12 @@ impl<'a> Marcher<'a> {
                             | (high >> (i + 1) & 1) << 2
                             | (high >> i & 1) << 3,
                     );
-                    let mut list = CASES[case];
-                    if case == 5 || case == 10 {
-                        let joined = saddles
-                            .next_if(|s| s.0 == n && s.1 == j * LEAF + i)
-                            .is_some_and(|s| s.2);
-                        if joined {
-                            list = if case == 5 { JOINED_5 } else { JOINED_10 };
-                        }
-                    }
+                    let own = |s: &&(usize, usize, bool)| {
+                        (s.0, s.1) == (n, j * LEAF + i)
+                    };
+                    let is_joined =
+                        || saddles.next_if(own).is_some_and(|s| s.2);
+                    let list = segments(case, is_joined);
                     let sides = self.edges.of_cell(n, i, j);
                     let slot = |side: u8| sides[usize::from(side)];
                     for &(from, to) in list {
@@ -626,11 +600,7 @@ fn runs_above(batch: &Batch<'_>, runs: &Runs) -> Vec<usize> {
 }
 
 /// The leaf of a batch in which a cell lies, and the cell's place there.
-fn find(
-    leaves: &[Leaf],
-    layer: usize,
-    [i, j]: [i64; 2],
-) -> Option<(usize, [usize; 2])> {
+fn find(leaves: &[Leaf], layer: usize, [i, j]: [i64; 2]) -> Option<Place> {
     leaves.iter().enumerate().find_map(|(n, leaf)| {
         let (a, b) = (i - leaf.i as i64, j - leaf.j as i64);
         let within = |k: i64| (0..LEAF as i64).contains(&k);

@@ -181,7 +181,8 @@ fn look(
         chord: CHORD_SHARE * detail.accuracy,
         smallest: detail.smallest,
     };
-    let mut marcher = Marcher::new(field.lattice(), z, precision);
+    let heights: Vec<f32> = z.iter().map(|&z| z as f32).collect();
+    let mut marcher = Marcher::new(field.lattice(), &heights, precision);
     begins(Phase::Sampling);
     field.slab(z, &mut |mut batch: Batch<'_>| {
         begins(Phase::Tracing);
@@ -398,7 +399,8 @@ mod tests {
             .collect();
         let mut runs = Runs::new(heights.len());
         (0..heights.len()).for_each(|layer| runs.divide(layer));
-        let mut marcher = Marcher::new(lattice, &heights, precision);
+        let z = heights.map(|z| z as f32);
+        let mut marcher = Marcher::new(lattice, &z, precision);
         let mut march = |batch: Batch<'_>| marcher.march(batch, 1, &mut runs);
         field.leaves(&heights, &known, &mut march).unwrap();
         let outlines = close(&field, &heights, detail, runs, marcher);

@@ -32,9 +32,9 @@
 //! else. Waves that all nodes of the lattice miss are not noticed, and cost
 //! nothing.
 
-use super::samples::Samples;
+use super::samples::Eyes;
 use crate::cells::Place;
-use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES, Sampler};
+use crate::field::{FieldError, LEAF, Lattice, Leaf, NODES};
 use crate::{Content, Length};
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -91,14 +91,6 @@ pub(super) struct Noise {
     weight: f64,
     /// For each leaf, how many of its cells were to be divided so far.
     divided: BTreeMap<[usize; 3], usize>,
-}
-
-/// The means to look at points of the field.
-pub(super) struct Eyes<'a> {
-    pub z: &'a [f32],
-    pub lattice: &'a Lattice,
-    pub sampler: &'a mut dyn Sampler,
-    pub scratch: &'a mut Samples,
 }
 
 /// Sign changes between neighbouring nodes.
@@ -270,22 +262,14 @@ impl Noise {
         closely: bool,
         eyes: &mut Eyes<'_>,
     ) -> Result<Option<Length>, FieldError> {
-        let Eyes {
-            z,
-            lattice,
-            sampler,
-            scratch: s,
-        } = eyes;
-        let node = |i: usize, j: usize| {
-            let (x, y) = (lattice.x[leaf.i + i], lattice.y[leaf.j + j]);
-            DVec2::new(f64::from(x), f64::from(y))
-        };
-        let (low, size) = (node(0, 0), node(LEAF, LEAF) - node(0, 0));
+        let Leaf { layer, i, j } = *leaf;
+        let low = eyes.lattice.node(i, j);
+        let size = eyes.lattice.node(i + LEAF, j + LEAF) - low;
         let pitch = if closely { CLOSE_PITCH } else { PITCH };
         let steps = (size.x / (pitch * self.smallest)).ceil().max(1.0);
         let count = steps as usize + 1;
-        s.clear();
-        let mut within = (leaf.i + 3 * leaf.j + leaf.layer) as f64 * UNEVEN;
+        eyes.clear();
+        let mut within = (i + 3 * j + layer) as f64 * UNEVEN;
         for along in [DVec2::X, DVec2::Y] {
             for line in 0..LINES {
                 within = (within + UNEVEN).fract();
@@ -293,21 +277,21 @@ impl Noise {
                 for k in 0..count {
                     let part = along * (k as f64 / steps)
                         + (DVec2::ONE - along) * across;
-                    s.push(low + part * size, z[leaf.layer]);
+                    eyes.push(low + part * size, eyes.z[layer]);
                 }
             }
         }
-        sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
+        let values = eyes.values()?;
         let changed = |line: &[f32]| {
             let pairs = line.windows(2);
             pairs.filter(|p| (p[0] < 0.0) != (p[1] < 0.0)).count()
         };
-        let changes: usize = s.values.chunks_exact(count).map(changed).sum();
+        let changes: usize = values.chunks_exact(count).map(changed).sum();
         let length = LINES as f64 * (size.x + size.y);
         let density = FRAC_PI_2 * changes as f64 / length;
         let width = 1.0 / density;
-        let inside = s.values.iter().filter(|f| **f < 0.0).count();
-        let inside = inside as f64 / s.values.len() as f64;
+        let inside = values.iter().filter(|f| **f < 0.0).count();
+        let inside = inside as f64 / values.len() as f64;
         // Twice the area over the outline is the width of a stripe, and half
         // the width of a disc.
         let thinner = 2.0 * inside.min(1.0 - inside) * width;

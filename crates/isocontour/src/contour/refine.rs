@@ -7,10 +7,19 @@
 //! remembers whether the field jumps in it, since a gradient found at a jump
 //! says nothing about the outline and is not used.
 
-use super::samples::Samples;
+use super::samples::Eyes;
 use crate::Length;
-use crate::field::{FieldError, Sampler};
+use crate::field::FieldError;
 use glam::DVec2;
+
+/// A place on the outline at which chords end.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct End {
+    /// Its place.
+    pub point: DVec2,
+    /// In-plane gradient of the field; zero or not finite if it says nothing.
+    pub gradient: DVec2,
+}
 
 /// A vertex on its way: the root lies between `lo` and `hi`, as fractions of
 /// the way from an inside node to an outside one.
@@ -18,6 +27,8 @@ use glam::DVec2;
 pub(super) struct Bracket {
     inside: DVec2,
     outside: DVec2,
+    /// The height of both.
+    z: f32,
     lo: f64,
     hi: f64,
     /// Field at `lo` (negative) and at `hi`. The search may halve the value at
@@ -62,23 +73,27 @@ const CLOSE: f64 = 3e-3;
 const JUMP: f64 = 0.02;
 
 impl Bracket {
-    pub(super) fn new(
-        inside: DVec2,
-        outside: DVec2,
-        f_inside: f32,
-        f_outside: f32,
-    ) -> Self {
+    /// A bracket between two nodes at the height `z`, one of them inside, given
+    /// the field at both.
+    pub(super) fn new(nodes: [DVec2; 2], field: [f32; 2], z: f32) -> Self {
+        let [mut inside, mut outside] = nodes;
+        let mut ends = field.map(f64::from);
+        if ends[0] >= 0.0 || ends[0].is_nan() {
+            std::mem::swap(&mut inside, &mut outside);
+            ends.reverse();
+        }
         let mut b = Bracket {
             inside,
             outside,
+            z,
             lo: 0.0,
             hi: 1.0,
-            f_lo: f64::from(f_inside),
-            f_hi: f64::from(f_outside),
-            ends: [f64::from(f_inside), f64::from(f_outside)],
+            f_lo: ends[0],
+            f_hi: ends[1],
+            ends,
             before: [f64::NAN; 2],
             rise: f64::NAN,
-            whole: [f_inside, f_outside].map(|f| f64::from(f).abs()),
+            whole: ends.map(f64::abs),
             length: inside.distance(outside),
             t: 0.0,
             from: 0.0,
@@ -239,14 +254,12 @@ impl Bracket {
 }
 
 /// Brings all brackets to their roots, and evaluates those on their way
-/// together. Returns the field's gradients at the roots; a gradient is zero
-/// where the field jumps. `z` are the vertices' heights.
+/// together. Returns the roots, with the field's gradients; a gradient is zero
+/// where the field jumps.
 pub(super) fn refine(
     brackets: &mut [Bracket],
-    z: &[f32],
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
-) -> Result<Vec<DVec2>, FieldError> {
+    eyes: &mut Eyes<'_>,
+) -> Result<Vec<End>, FieldError> {
     // If the field is infinite at the outer end of a bracket, it does not tell
     // how the field rises. Two points inside would, and so does one with its
     // slope.
@@ -257,77 +270,82 @@ pub(super) fn refine(
         for &i in &one_sided {
             brackets[i].t = brackets[i].lo;
         }
-        slopes(brackets, z, sampler, scratch, one_sided.iter().copied());
-        for (&i, &[_, dx, dy]) in one_sided.iter().zip(&scratch.slopes) {
-            brackets[i].leap(DVec2::new(f64::from(dx), f64::from(dy)));
+        let slopes = slopes(brackets, eyes, one_sided.iter().copied());
+        for (&i, slopes) in one_sided.iter().zip(slopes) {
+            brackets[i].leap(gradient(slopes));
         }
     }
     // For most brackets the first estimate is so good that the slope there
     // leads the rest of the way, and serves as the gradient at the root.
-    slopes(brackets, z, sampler, scratch, 0..brackets.len());
+    let first = slopes(brackets, eyes, 0..brackets.len());
     let mut gradients = Vec::with_capacity(brackets.len());
-    let mut open: Vec<u32> = Vec::new();
-    let found = brackets.iter_mut().zip(&scratch.slopes);
-    for (i, (b, &[f, dx, dy])) in found.enumerate() {
-        let gradient = DVec2::new(f64::from(dx), f64::from(dy));
-        b.step(f64::from(f), 0);
-        if !b.arrives(f64::from(f), gradient) {
-            open.push(i as u32);
+    let mut open: Vec<usize> = Vec::new();
+    for (i, (b, slopes)) in brackets.iter_mut().zip(first).enumerate() {
+        let (f, gradient) = (f64::from(slopes[0]), gradient(slopes));
+        b.step(f, 0);
+        if !b.arrives(f, gradient) {
+            open.push(i);
         }
         gradients.push(gradient);
     }
-    if open.is_empty() {
-        return Ok(gradients);
-    }
     let mut active = open.clone();
     for count in 1..MAX_STEPS {
-        active.retain(|&i| !brackets[i as usize].done);
+        active.retain(|&i| !brackets[i].done);
         if active.is_empty() {
             break;
         }
-        scratch.clear();
-        for &i in &active {
-            scratch.push(brackets[i as usize].point(), z[i as usize]);
-        }
-        let s = &mut *scratch;
-        sampler.values(&s.x, &s.y, &s.z, &mut s.values)?;
-        for (&i, &f) in active.iter().zip(&s.values) {
-            brackets[i as usize].step(f64::from(f), count);
+        ask(brackets, eyes, active.iter().copied());
+        for (&i, &f) in active.iter().zip(eyes.values()?) {
+            brackets[i].step(f64::from(f), count);
         }
     }
-    let late = open.iter().map(|&i| i as usize);
     let jumps: Vec<bool> =
-        late.clone().map(|i| brackets[i].ends_in_a_jump()).collect();
-    slopes(brackets, z, sampler, scratch, late.clone());
-    for ((i, jumps), &[_, dx, dy]) in late.zip(jumps).zip(&scratch.slopes) {
-        gradients[i] = if jumps {
-            DVec2::ZERO
-        } else {
-            DVec2::new(f64::from(dx), f64::from(dy))
-        };
+        open.iter().map(|&i| brackets[i].ends_in_a_jump()).collect();
+    if !open.is_empty() {
+        let last = slopes(brackets, eyes, open.iter().copied());
+        for ((i, jumps), slopes) in open.into_iter().zip(jumps).zip(last) {
+            gradients[i] = if jumps { DVec2::ZERO } else { gradient(slopes) };
+        }
     }
-    Ok(gradients)
+    let roots = brackets.iter().map(Bracket::point).zip(gradients);
+    Ok(roots
+        .map(|(point, gradient)| End { point, gradient })
+        .collect())
 }
 
-/// Evaluates values and slopes at the estimates of some brackets.
-fn slopes(
+/// Asks the field at the estimates of some brackets.
+fn ask(
     brackets: &[Bracket],
-    z: &[f32],
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
     which: impl Iterator<Item = usize>,
 ) {
-    scratch.clear();
-    for i in which {
-        scratch.push(brackets[i].point(), z[i]);
+    eyes.clear();
+    for b in which.map(|i| &brackets[i]) {
+        eyes.push(b.point(), b.z);
     }
-    let s = &mut *scratch;
-    sampler.slopes(&s.x, &s.y, &s.z, &mut s.slopes);
+}
+
+/// Values and slopes at the estimates of some brackets.
+fn slopes<'e>(
+    brackets: &[Bracket],
+    eyes: &'e mut Eyes<'_>,
+    which: impl Iterator<Item = usize>,
+) -> &'e [[f32; 3]] {
+    ask(brackets, eyes, which);
+    eyes.slopes()
+}
+
+/// The gradient that a value and its slopes say.
+fn gradient(&[_, dx, dy]: &[f32; 3]) -> DVec2 {
+    DVec2::new(f64::from(dx), f64::from(dy))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::samples::Samples;
     use super::*;
+    use crate::field::{Lattice, Sampler};
+    use crate::plane::Rect;
 
     /// Evaluates a function of x.
     struct Line<F: Fn(f32) -> f32>(F);
@@ -335,9 +353,7 @@ mod tests {
     impl<F: Fn(f32) -> f32> Sampler for Line<F> {
         fn values(
             &mut self,
-            x: &[f32],
-            _: &[f32],
-            _: &[f32],
+            [x, ..]: [&[f32]; 3],
             out: &mut Vec<f32>,
         ) -> Result<(), FieldError> {
             out.clear();
@@ -345,13 +361,7 @@ mod tests {
             Ok(())
         }
 
-        fn slopes(
-            &mut self,
-            x: &[f32],
-            _: &[f32],
-            _: &[f32],
-            out: &mut Vec<[f32; 3]>,
-        ) {
+        fn slopes(&mut self, [x, ..]: [&[f32]; 3], out: &mut Vec<[f32; 3]>) {
             out.clear();
             // Where the quotient of differences says nothing, the gradient is
             // not tested.
@@ -360,27 +370,24 @@ mod tests {
         }
     }
 
-    fn root(f: impl Fn(f32) -> f32) -> f64 {
-        let mut b = [Bracket::new(
-            DVec2::ZERO,
-            DVec2::new(0.1, 0.0),
-            f(0.0),
-            f(0.1),
-        )];
-        let mut line = Line(f);
-        refine(&mut b, &[0.0], &mut line, &mut Samples::default()).unwrap();
-        b[0].point().x
+    /// The bracket of a function from 0 to 0.1, brought to its root.
+    fn refined(f: impl Fn(f32) -> f32) -> Bracket {
+        let nodes = [DVec2::ZERO, DVec2::new(0.1, 0.0)];
+        let mut b = [Bracket::new(nodes, [f(0.0), f(0.1)], 0.0)];
+        let rect = Rect::around(&nodes);
+        let mut eyes = Eyes {
+            z: &[],
+            lattice: &Lattice::over(rect, 1.0).unwrap(),
+            sampler: &mut Line(f),
+            samples: &mut Samples::default(),
+        };
+        refine(&mut b, &mut eyes).unwrap();
+        b[0]
     }
 
     #[test]
     fn jumps_are_told_from_roots() {
-        let jumps = |f: fn(f32) -> f32| {
-            let (lo, hi) = (DVec2::ZERO, DVec2::new(0.1, 0.0));
-            let mut b = [Bracket::new(lo, hi, f(0.0), f(0.1))];
-            let mut s = Samples::default();
-            refine(&mut b, &[0.0], &mut Line(f), &mut s).unwrap();
-            b[0].jumps()
-        };
+        let jumps = |f: fn(f32) -> f32| refined(f).jumps();
         assert!(!jumps(|x| x - 0.03));
         assert!(!jumps(|x| 1e6 * (x - 0.05).powi(3)));
         assert!(!jumps(|x| (x - 0.06).max(1e4 * (x - 0.061))));
@@ -402,7 +409,7 @@ mod tests {
             (|x| if x < 0.04 { -1.0 } else { f32::INFINITY }, 0.04),
         ];
         for (k, (f, x)) in cases.into_iter().enumerate() {
-            let r = root(f);
+            let r = refined(f).point().x;
             assert!((r - x).abs() < 3e-6, "case {k}: {r} for {x}");
         }
     }

@@ -25,10 +25,10 @@
 //! and gradients agree.
 
 use super::link::Crossing;
-use super::refine::{Bracket, refine};
-use super::samples::Samples;
+use super::refine::{Bracket, End, refine};
+use super::samples::Eyes;
 use crate::Length;
-use crate::field::{FieldError, Sampler};
+use crate::field::FieldError;
 use crate::plane::Rect;
 use glam::DVec2;
 
@@ -53,15 +53,6 @@ const SHORT: f64 = 0.3;
 const ARC: f64 = 0.25;
 /// Halvings of a chord: from 2 mm to below a micrometre.
 const DEPTH: u8 = 12;
-
-/// An end of a chord.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct End {
-    /// The place of the end.
-    pub point: DVec2,
-    /// In-plane gradient of the field; zero or not finite if it says nothing.
-    pub gradient: DVec2,
-}
 
 /// A piece of outline across a cell.
 #[derive(Clone, Copy, Debug)]
@@ -97,6 +88,13 @@ struct Open {
     /// Places of the ends along the chord.
     span: [f64; 2],
     depth: u8,
+}
+
+impl Open {
+    /// The place of its middle along the chord.
+    fn place(&self) -> f64 {
+        0.5 * (self.span[0] + self.span[1])
+    }
 }
 
 /// A part of a chord about which the field is asked.
@@ -216,13 +214,11 @@ pub(super) fn trace(
     chords: &[Chord],
     tolerance: Length,
     trusted: Length,
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<Vec<Traced>, FieldError> {
     let mut traced = Vec::with_capacity(chords.len());
     for chords in chords.chunks(AT_ONCE) {
-        let some = follow(chords, tolerance, trusted, sampler, scratch)?;
-        traced.extend(some);
+        traced.extend(follow(chords, tolerance, trusted, eyes)?);
     }
     Ok(traced)
 }
@@ -232,8 +228,7 @@ fn follow(
     chords: &[Chord],
     tolerance: Length,
     trusted: Length,
-    sampler: &mut dyn Sampler,
-    scratch: &mut Samples,
+    eyes: &mut Eyes<'_>,
 ) -> Result<Vec<Traced>, FieldError> {
     let mut traced = vec![Traced::default(); chords.len()];
     let mut open: Vec<Open> = chords
@@ -250,8 +245,7 @@ fn follow(
     let mut round = Round {
         chords,
         tolerance,
-        sampler,
-        scratch,
+        eyes,
     };
     while !open.is_empty() {
         let mut asked: Vec<Asked> = Vec::new();
@@ -259,8 +253,7 @@ fn follow(
             match look(o.a, o.b, tolerance, trusted) {
                 Look::Straight => {}
                 Look::Bent(p) => {
-                    let place = 0.5 * (o.span[0] + o.span[1]);
-                    traced[o.chord].points.push((place, p));
+                    traced[o.chord].points.push((o.place(), p));
                 }
                 Look::Ask(question) if o.depth < DEPTH => {
                     let length = o.a.point.distance(o.b.point);
@@ -336,12 +329,11 @@ pub(super) fn lines_cross(a: &[DVec2], b: &[DVec2]) -> bool {
         .any(|s| b.windows(2).any(|t| cross(s[0], s[1], t[0], t[1])))
 }
 
-/// What a round of questions needs: the sampler and the memory.
-struct Round<'a> {
-    chords: &'a [Chord],
+/// What a round of questions needs.
+struct Round<'r, 'e> {
+    chords: &'r [Chord],
     tolerance: Length,
-    sampler: &'a mut dyn Sampler,
-    scratch: &'a mut Samples,
+    eyes: &'r mut Eyes<'e>,
 }
 
 /// A point at which the tangents at a chord's ends meet.
@@ -354,16 +346,7 @@ struct Candidate {
     beside: Option<[i32; 2]>,
 }
 
-impl Round<'_> {
-    fn evaluate(&mut self) -> Result<(), FieldError> {
-        let s = &mut *self.scratch;
-        if s.x.is_empty() {
-            s.values.clear();
-            return Ok(());
-        }
-        self.sampler.values(&s.x, &s.y, &s.z, &mut s.values)
-    }
-
+impl Round<'_, '_> {
     /// Settles the chords that turn at a corner or are part of an arc. Returns
     /// the other chords, and the field at their middles.
     fn corners(
@@ -371,7 +354,7 @@ impl Round<'_> {
         asked: Vec<Asked>,
         traced: &mut [Traced],
     ) -> Result<(Vec<f64>, Vec<Asked>), FieldError> {
-        self.scratch.clear();
+        self.eyes.clear();
         let candidates: Vec<Option<Candidate>> = asked
             .iter()
             .map(|Asked { o, .. }| candidate(o, &self.chords[o.chord]))
@@ -381,33 +364,32 @@ impl Round<'_> {
             let Chord { z, cell, .. } = self.chords[o.chord];
             for k in 1..=*count {
                 let t = k as f64 / (count + 1) as f64;
-                self.scratch.push(o.a.point.lerp(o.b.point, t), z);
+                self.eyes.push(o.a.point.lerp(o.b.point, t), z);
             }
             for p in question.arc.iter().flat_map(|a| a.0) {
-                self.scratch.push(p, z);
+                self.eyes.push(p, z);
             }
             let Some(c) = candidate else { continue };
-            self.scratch.push(c.point, z);
-            self.scratch.push(0.5 * (o.a.point + c.point), z);
-            self.scratch.push(0.5 * (o.b.point + c.point), z);
+            self.eyes.push(c.point, z);
+            self.eyes.push(0.5 * (o.a.point + c.point), z);
+            self.eyes.push(0.5 * (o.b.point + c.point), z);
             if let Some([i, j]) = c.beside {
                 let size = cell.size();
                 let min =
                     cell.min + size * DVec2::new(f64::from(i), f64::from(j));
                 for (di, dj) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
                 {
-                    self.scratch.push(min + size * DVec2::new(di, dj), z);
+                    self.eyes.push(min + size * DVec2::new(di, dj), z);
                 }
             }
         }
-        self.evaluate()?;
-        let mut values = self.scratch.values.iter().map(|&f| f64::from(f));
+        let mut values = self.eyes.values()?.iter().map(|&f| f64::from(f));
         let mut next = || values.next().unwrap_or(f64::NAN);
         let (mut middles, mut rest) = (Vec::new(), Vec::new());
         for (asked, candidate) in asked.into_iter().zip(candidates) {
             let along: Vec<f64> = (0..asked.count).map(|_| next()).collect();
             let middle = along[asked.count / 2];
-            let place = 0.5 * (asked.o.span[0] + asked.o.span[1]);
+            let place = asked.o.place();
             if let Some((arc, most)) = asked.question.arc {
                 let off = [next(), next(), next()].map(f64::abs);
                 let room = grown(&self.chords[asked.o.chord]);
@@ -460,7 +442,7 @@ impl Round<'_> {
     ) -> Result<Vec<Open>, FieldError> {
         // The search goes from the middle outwards in growing steps, to the
         // cell's border.
-        self.scratch.clear();
+        self.eyes.clear();
         let mut searches = Vec::new();
         for (Asked { o, question, .. }, &f) in asked.iter().zip(middles) {
             let chord = &self.chords[o.chord];
@@ -469,7 +451,7 @@ impl Round<'_> {
             let way = if f < 0.0 { out } else { -out };
             let room = grown(chord);
             let limit = 0.999 * leaves_cell(middle, way, room);
-            let from = self.scratch.x.len();
+            let from = self.eyes.count();
             let mut steps = Vec::new();
             let mut d = question.reach;
             while d < limit {
@@ -478,17 +460,16 @@ impl Round<'_> {
             }
             steps.push(limit);
             for &d in &steps {
-                self.scratch.push(middle + way * d, chord.z);
+                self.eyes.push(middle + way * d, chord.z);
             }
             searches.push((middle, way, from, steps));
         }
-        self.evaluate()?;
+        let all = self.eyes.values()?;
         let mut brackets = Vec::new();
-        let mut heights = Vec::new();
         let mut found = Vec::new();
         for (k, (middle, way, from, steps)) in searches.iter().enumerate() {
             let inside = middles[k] < 0.0;
-            let values = &self.scratch.values[*from..*from + steps.len()];
+            let values = &all[*from..*from + steps.len()];
             let hit = values.iter().position(|&f| (f < 0.0) != inside);
             let Some(n) = hit else {
                 traced[asked[k].o.chord].lost = true;
@@ -498,25 +479,17 @@ impl Round<'_> {
                 Some(m) => (steps[m], values[m]),
                 None => (0.0, middles[k] as f32),
             };
-            let (near, far) = (*middle + *way * d, *middle + *way * steps[n]);
-            brackets.push(if inside {
-                Bracket::new(near, far, f, values[n])
-            } else {
-                Bracket::new(far, near, values[n], f)
-            });
-            heights.push(self.chords[asked[k].o.chord].z);
+            let ends = [d, steps[n]].map(|d| *middle + *way * d);
+            let z = self.chords[asked[k].o.chord].z;
+            brackets.push(Bracket::new(ends, [f, values[n]], z));
             found.push(k);
         }
-        let gradients =
-            refine(&mut brackets, &heights, self.sampler, self.scratch)?;
         let mut halves = Vec::new();
-        for ((b, gradient), k) in brackets.iter().zip(gradients).zip(found) {
+        for (root, k) in
+            refine(&mut brackets, self.eyes)?.into_iter().zip(found)
+        {
             let o = &asked[k].o;
-            let place = 0.5 * (o.span[0] + o.span[1]);
-            let root = End {
-                point: b.point(),
-                gradient,
-            };
+            let place = o.place();
             traced[o.chord].points.push((place, root.point));
             let off = root.point.distance(searches[k].0);
             // Without gradients a corner shows in the middle of its chord, by

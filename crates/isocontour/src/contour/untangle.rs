@@ -10,7 +10,7 @@
 //! whole ring is thinned less, then hardly at all, and last reduced to the
 //! lattice's vertices.
 
-use super::buckets::Buckets;
+use super::buckets::each_pair;
 use super::cut;
 use super::link::Joined;
 use super::trace::cross;
@@ -137,12 +137,9 @@ pub(super) fn thin(
         if cut_now {
             was_cut = true;
             if let Some(cut) = cut::at_crossings(&rings, &tangled) {
-                let mut keep = tangled.iter().map(|t| !t);
-                out.retain(|_| keep.next() == Some(true));
-                let mut keep = tangled.iter().map(|t| !t);
-                cares.retain(|_| keep.next() == Some(true));
-                let mut keep = tangled.iter().map(|t| !t);
-                rings.retain(|_| keep.next() == Some(true));
+                leave_out(&mut out, &tangled);
+                leave_out(&mut cares, &tangled);
+                leave_out(&mut rings, &tangled);
                 out.extend(cut.iter().map(plain));
                 rings.extend(cut);
                 continue;
@@ -155,6 +152,12 @@ pub(super) fn thin(
             out[n] = cares[n].thin(&rings[n], tolerance);
         }
     }
+}
+
+/// Takes the things out of a list that are marked.
+fn leave_out<T>(list: &mut Vec<T>, marked: &[bool]) {
+    let mut marks = marked.iter();
+    list.retain(|_| marks.next() == Some(&false));
 }
 
 fn back(ring: &Joined, tolerance: Length, step: u8) -> Ring {
@@ -194,33 +197,24 @@ fn crossings(rings: &[Ring]) -> Vec<(usize, (DVec2, DVec2))> {
         })
         .collect();
     let mut found: Vec<u32> = Vec::new();
-    let grid = Buckets::new(list.iter().map(|e| (e.a, e.b)));
-    for bucket in grid.buckets() {
-        for (k, &m) in bucket.iter().enumerate() {
-            let e = &list[m as usize];
-            let (lo, hi) = (e.a.min(e.b), e.a.max(e.b));
-            for &n in &bucket[k + 1..] {
-                let f = &list[n as usize];
-                let apart = f.a.min(f.b).cmpgt(hi).any()
-                    || f.a.max(f.b).cmplt(lo).any();
-                if apart {
-                    continue;
-                }
-                let meet = if e.ring != f.ring {
-                    cross(e.a, e.b, f.a, f.b)
-                } else if e.place + 1 == f.place {
-                    folds(e.a, e.b, f.b)
-                } else if e.place == 0 && f.place + 1 == f.count {
-                    folds(f.a, f.b, e.b)
-                } else {
-                    cross(e.a, e.b, f.a, f.b)
-                };
-                if meet {
-                    found.extend([m, n]);
-                }
-            }
+    each_pair(list.iter().map(|e| (e.a, e.b)), |m, n| {
+        let [e, f] = [m, n].map(|k| &list[k as usize]);
+        let apart = f.a.min(f.b).cmpgt(e.a.max(e.b)).any()
+            || f.a.max(f.b).cmplt(e.a.min(e.b)).any();
+        if apart {
+            return;
         }
-    }
+        let meet = if e.ring == f.ring && e.place + 1 == f.place {
+            folds(e.a, e.b, f.b)
+        } else if e.ring == f.ring && e.place == 0 && f.place + 1 == f.count {
+            folds(f.a, f.b, e.b)
+        } else {
+            cross(e.a, e.b, f.a, f.b)
+        };
+        if meet {
+            found.extend([m, n]);
+        }
+    });
     found.sort_unstable();
     found.dedup();
     let edge = |n: u32| {
@@ -237,6 +231,7 @@ fn folds(a: DVec2, b: DVec2, c: DVec2) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::super::buckets::buckets;
     use super::*;
 
     /// Numbers of the rings that cross each other or themselves, in order.
@@ -290,8 +285,8 @@ mod tests {
             }
             let list: Vec<(DVec2, DVec2)> =
                 rings.iter().flat_map(|r| edges(r)).collect();
-            let grid = Buckets::new(list.iter().copied());
-            let held = grid.held();
+            let grid = buckets(list.iter().copied());
+            let held: usize = (0..grid.count()).map(|k| grid.at(k).len()).sum();
             assert!(held < 20 * list.len(), "{angle}: {held}");
             assert!(crossing(&rings).is_empty(), "{angle}");
             // This line crosses all of the others, but not the teeth.

@@ -20,7 +20,7 @@
 
 mod over;
 
-pub(crate) use over::{derivatives, range_over};
+pub(crate) use over::{range_over, slopes_over};
 
 use crate::cuboid::Bounds;
 use crate::grid::Grid;

@@ -26,22 +26,8 @@ pub(crate) fn range_over(data: &dyn Data, at: [Interval; 3]) -> Interval {
     }
 }
 
-/// The ranges of the derivatives of data along some directions, over a box of
-/// places whose own coordinates change as `moved` says: the chain rule.
-pub(crate) fn derivatives<const N: usize>(
-    data: &dyn Data,
-    at: [Interval; 3],
-    moved: [[Interval; N]; 3],
-) -> [Interval; N] {
-    let by = slopes_over(data, at);
-    std::array::from_fn(|along| {
-        let [x, y, z] = [0, 1, 2].map(|i| by[i].mul(moved[i][along]));
-        x.add(y).add(z)
-    })
-}
-
 /// The ranges of the derivatives of data over a box of places.
-fn slopes_over(data: &dyn Data, at: [Interval; 3]) -> [Interval; 3] {
+pub(crate) fn slopes_over(data: &dyn Data, at: [Interval; 3]) -> [Interval; 3] {
     match places(at) {
         Some(over) if at.iter().all(|r| !r.nan) => {
             data.slopes(&over).map(|[lo, hi]| Interval::new(lo, hi))

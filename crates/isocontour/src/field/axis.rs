@@ -24,12 +24,30 @@ pub(super) enum Level {
 /// reaches from node b·step − pad to node b·step + reach + pad.
 #[derive(Clone, Copy)]
 pub(super) struct Grouping {
-    pub step: usize,
-    pub reach: usize,
-    pub pad: usize,
+    step: usize,
+    reach: usize,
+    pad: usize,
 }
 
 impl Grouping {
+    /// Squares with a side of so many cells, and `pad` cells around each.
+    pub(super) const fn of_cells(side: usize, pad: usize) -> Grouping {
+        Grouping {
+            step: side,
+            reach: side,
+            pad,
+        }
+    }
+
+    /// So many layers each.
+    pub(super) const fn of_layers(count: usize) -> Grouping {
+        Grouping {
+            step: count,
+            reach: count - 1,
+            pad: 0,
+        }
+    }
+
     /// First and last node of box `b` of an axis of `count` nodes.
     pub(super) fn ends(self, b: usize, count: usize) -> [usize; 2] {
         let from = (b * self.step).saturating_sub(self.pad);

@@ -17,10 +17,8 @@
 //! overflow, since a shell or an offset made of the sum compares it with other
 //! numbers.
 
-use super::hoist::in_order;
-use fidget::context::{
-    BinaryOpcode, Context, Node, Op, Tree, TreeOp, UnaryOpcode,
-};
+use super::hoist::{Term, in_order, rebuilt};
+use fidget::context::{BinaryOpcode, Context, Node, Op, TreeOp, UnaryOpcode};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -34,8 +32,6 @@ const MUCH: f32 = 1.5e38;
 /// Stands for an infinite exponent, since two such numbers can be compared.
 const FARTHEST: f32 = 1e30;
 
-type Term = Arc<TreeOp>;
-
 /// The expression `root` with branches in sums of two exponentials.
 pub(super) fn branched(ctx: &mut Context, root: Node) -> Node {
     let exponent = |n: &Node| match ctx.get_op(*n) {
@@ -44,35 +40,19 @@ pub(super) fn branched(ctx: &mut Context, root: Node) -> Node {
     };
     let order = in_order(ctx, root, &HashMap::new());
     let mut any = false;
-    let mut made: HashMap<Node, Term> = HashMap::new();
-    for node in &order {
-        let Some(op) = ctx.get_op(*node) else {
-            continue;
-        };
-        let of = |n: &Node| made.get(n).cloned().unwrap_or(number(f32::NAN));
-        let term = match op {
-            Op::Input(var) => Arc::new(TreeOp::Input(*var)),
-            Op::Const(c) => number(c.0),
-            Op::Unary(op, a) => Arc::new(TreeOp::Unary(*op, of(a))),
-            Op::Binary(op, a, b) => match (op, exponent(a), exponent(b)) {
-                (BinaryOpcode::Add, Some(u), Some(v)) => {
-                    any = true;
-                    blend([of(a), of(b)], [of(&u), of(&v)])
-                }
-                _ => binary(*op, of(a), of(b)),
-            },
-        };
-        made.insert(*node, term);
-    }
-    // Nothing else refers to the root.
-    match made.remove(&root).and_then(Arc::into_inner) {
-        Some(term) if any => ctx.import(&Tree::from(term)),
-        _ => root,
-    }
+    let tree = rebuilt(ctx, &order, |node, of| match ctx.get_op(node) {
+        Some(Op::Binary(BinaryOpcode::Add, a, b)) => {
+            let exponents = [&exponent(a)?, &exponent(b)?];
+            any = true;
+            Some(blend([a, b].map(of), exponents.map(of)))
+        }
+        _ => None,
+    });
+    if any { ctx.import(&tree) } else { root }
 }
 
 /// The sum of two exponentials, each cut off where it is too small to count.
-fn blend([a, b]: [Term; 2], exponents: [Term; 2]) -> Term {
+fn blend([a, b]: [Term; 2], exponents: [Term; 2]) -> TreeOp {
     use BinaryOpcode::{Add, Max, Min, Mul, Sub};
     let [u, v] = exponents.map(|u| {
         let low = binary(Max, u, number(-FARTHEST));
@@ -85,7 +65,7 @@ fn blend([a, b]: [Term; 2], exponents: [Term; 2]) -> Term {
         let bound = binary(Mul, bound, number(MUCH));
         binary(Max, binary(Min, summand, bound), number(0.0))
     };
-    binary(Add, kept(a, &u, &v), kept(b, &v, &u))
+    TreeOp::Binary(Add, kept(a, &u, &v), kept(b, &v, &u))
 }
 
 fn number(v: f32) -> Term {
@@ -102,6 +82,7 @@ mod tests {
     use super::*;
     use crate::interval::Interval;
     use fidget::compiler::RegOp;
+    use fidget::context::Tree;
     use fidget::eval::{BulkEvaluator, Function, MathFunction};
     use fidget::var::Var;
     use fidget::vm::VmFunction;

@@ -83,9 +83,11 @@ impl Called {
             let Some(call) = call_of(&ctx, node) else {
                 continue;
             };
-            let argument = |node| {
+            let argument = |node| -> Result<Argument, FieldError> {
                 let order = in_order(&ctx, node, &taken);
-                Argument::new(&rest(&ctx, &order, &taken), &sources)
+                let rest = rest(&ctx, &order, &taken);
+                let (f, sources) = function(&rest, &sources)?;
+                Ok(Argument { f, sources })
             };
             let [x, y, z] = call.at;
             let at = [argument(x)?, argument(y)?, argument(z)?];
@@ -124,17 +126,28 @@ impl Called {
     pub(super) fn function(
         &self,
     ) -> Result<(VmFunction, Vec<Source>), FieldError> {
-        let f = VmFunction::new(&self.context, &[self.root]).map_err(bug)?;
-        let sources = sources_of(&f, &self.sources)?;
-        Ok((f, sources))
+        function_of(&self.context, self.root, &self.sources)
     }
 }
 
-/// For each input of a function, where its value is from.
-fn sources_of(
-    f: &VmFunction,
+/// An expression as a function, and for each of its inputs where its value is
+/// from, as `known` says of the variables.
+pub(super) fn function(
+    tree: &Tree,
     known: &HashMap<Var, Source>,
-) -> Result<Vec<Source>, FieldError> {
+) -> Result<(VmFunction, Vec<Source>), FieldError> {
+    let mut context = Context::new();
+    let root = context.import(tree);
+    function_of(&context, root, known)
+}
+
+/// Does what [`function`] does.
+fn function_of(
+    context: &Context,
+    root: Node,
+    known: &HashMap<Var, Source>,
+) -> Result<(VmFunction, Vec<Source>), FieldError> {
+    let f = VmFunction::new(context, &[root]).map_err(bug)?;
     let mut sources = vec![Source::Coordinate(0); f.vars().len()];
     for (var, slot) in f.vars().iter() {
         let source = known.get(&var).copied();
@@ -144,20 +157,7 @@ fn sources_of(
             *s = source;
         }
     }
-    Ok(sources)
-}
-
-impl Argument {
-    fn new(
-        tree: &Tree,
-        known: &HashMap<Var, Source>,
-    ) -> Result<Argument, FieldError> {
-        let mut ctx = Context::new();
-        let root = ctx.import(tree);
-        let f = VmFunction::new(&ctx, &[root]).map_err(bug)?;
-        let sources = sources_of(&f, known)?;
-        Ok(Argument { f, sources })
-    }
+    Ok((f, sources))
 }
 
 /// True if what is from a source depends on a coordinate.

@@ -5,11 +5,9 @@ use super::expr::Expr;
 use super::split::{Axes, Split};
 use super::workspace::{Proof, Workspace};
 use super::{
-    Batch, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, apart, bug,
+    Batch, FieldError, LEAF, Lattice, Leaf, SLAB, Sampler, Visit, apart,
 };
 use crate::cancel::Cancel;
-use fidget::eval::MathFunction;
-use fidget::vm::VmFunction;
 use std::ops::Range;
 
 /// Cells along the side of a slab's tiles. A tile spans all layers of the slab.
@@ -22,58 +20,35 @@ const BLOCK_LAYERS: usize = 8;
 /// Boxes along x and y. The cell around a tile or block belongs to its proof,
 /// so that its simpler expression also serves for a corner just outside.
 const IN_PLANE: [Grouping; 3] = [
-    Grouping {
-        step: TILE,
-        reach: TILE,
-        pad: 1,
-    },
-    Grouping {
-        step: BLOCK,
-        reach: BLOCK,
-        pad: 1,
-    },
-    Grouping {
-        step: LEAF,
-        reach: LEAF,
-        pad: 0,
-    },
+    Grouping::of_cells(TILE, 1),
+    Grouping::of_cells(BLOCK, 1),
+    Grouping::of_cells(LEAF, 0),
 ];
 
 /// Boxes along z. They reach from just below the first of their layers to just
 /// above the last one, since a layer may be what is there.
 const UPWARDS: [Grouping; 3] = [
-    Grouping {
-        step: SLAB,
-        reach: SLAB - 1,
-        pad: 0,
-    },
-    Grouping {
-        step: BLOCK_LAYERS,
-        reach: BLOCK_LAYERS - 1,
-        pad: 0,
-    },
-    Grouping {
-        step: 1,
-        reach: 0,
-        pad: 0,
-    },
+    Grouping::of_layers(SLAB),
+    Grouping::of_layers(BLOCK_LAYERS),
+    Grouping::of_layers(1),
 ];
 
-/// What follows from the expression and the lattice alone, before any layer.
-pub(super) struct Plane {
-    pub split: Split,
+/// An expression on a lattice, with what follows from these alone, before any
+/// layer.
+pub(super) struct Engine {
+    split: Split,
     x: Axis,
     y: Axis,
 }
 
-impl Plane {
+impl Engine {
     /// Evaluates along the lattice what one coordinate decides.
-    pub(super) fn new(split: Split, lattice: &Lattice) -> Plane {
+    pub(super) fn new(split: Split, lattice: &Lattice) -> Engine {
         let density = 1.0 / lattice.spacing;
         let make = |nodes: &[f32], parts| {
             Axis::new(nodes.to_vec(), density, IN_PLANE, |_| 0.0, parts)
         };
-        Plane {
+        Engine {
             x: make(&lattice.x, &split.parts[0]),
             y: make(&lattice.y, &split.parts[1]),
             split,
@@ -84,30 +59,17 @@ impl Plane {
         Axis::new(z.to_vec(), 0.0, UPWARDS, apart, &self.split.parts[2])
     }
 
-    fn cells(&self) -> [usize; 2] {
-        [&self.x, &self.y].map(|axis| axis.nodes().len() - 1)
-    }
-}
-
-/// An expression, and the lattice on which it is evaluated.
-pub(super) struct Engine {
-    root: VmFunction,
-    plane: Plane,
-}
-
-impl Engine {
-    pub(super) fn new(plane: Plane) -> Result<Self, FieldError> {
-        let Split { context, root, .. } = &plane.split;
-        let root = VmFunction::new(context, &[*root]).map_err(bug)?;
-        Ok(Self { root, plane })
+    /// The whole expression.
+    fn root(&self) -> Expr {
+        Expr::new(self.split.f.clone())
     }
 
     fn walk<'a>(&'a self, layers: &'a Axis, cancel: &'a Cancel) -> Walk<'a> {
         Walk {
             cancel,
-            axes: Axes([&self.plane.x, &self.plane.y, layers]),
-            cells: self.plane.cells(),
-            ws: Workspace::new(&self.root, &self.plane.split),
+            axes: Axes([&self.x, &self.y, layers]),
+            cells: [&self.x, &self.y].map(|axis| axis.nodes().len() - 1),
+            ws: Workspace::new(&self.split),
             boxes: Vec::new(),
             leaves: Vec::new(),
             values: Vec::new(),
@@ -139,24 +101,16 @@ struct ExprSampler<'w, 'a> {
 impl Sampler for ExprSampler<'_, '_> {
     fn values(
         &mut self,
-        x: &[f32],
-        y: &[f32],
-        z: &[f32],
+        at: [&[f32]; 3],
         out: &mut Vec<f32>,
     ) -> Result<(), FieldError> {
         self.cancel.check()?;
-        self.ws.values(self.expr, self.axes, [x, y, z], out);
+        self.ws.values(self.expr, self.axes, at, out);
         Ok(())
     }
 
-    fn slopes(
-        &mut self,
-        x: &[f32],
-        y: &[f32],
-        z: &[f32],
-        out: &mut Vec<[f32; 3]>,
-    ) {
-        self.ws.slopes(self.expr, self.axes, [x, y, z], out);
+    fn slopes(&mut self, at: [&[f32]; 3], out: &mut Vec<[f32; 3]>) {
+        self.ws.slopes(self.expr, self.axes, at, out);
     }
 }
 
@@ -189,9 +143,7 @@ impl Walk<'_> {
             return Ok(true);
         };
         let is_level = self.ws.is_level(own.as_ref().unwrap_or(root));
-        if let Some(expr) = own {
-            self.ws.recycle(expr);
-        }
+        self.ws.recycle(own);
         Ok(is_level)
     }
 
@@ -239,9 +191,7 @@ impl Walk<'_> {
         for at in blocks {
             self.block(expr, at, level.then_some(layers), visit)?;
         }
-        if let Some(expr) = own {
-            self.ws.recycle(expr);
-        }
+        self.ws.recycle(own);
         Ok(())
     }
 
@@ -286,9 +236,7 @@ impl Walk<'_> {
         }));
         self.boxes = boxes;
         self.sample(expr, span.unwrap_or(1), visit)?;
-        if let Some(expr) = own {
-            self.ws.recycle(expr);
-        }
+        self.ws.recycle(own);
         Ok(())
     }
 
@@ -330,9 +278,9 @@ impl Engine {
         if z.is_empty() {
             return Ok(());
         }
-        let layers = self.plane.layers(z);
+        let layers = self.layers(z);
         let mut walk = self.walk(&layers, cancel);
-        let root = Expr::new(self.root.clone());
+        let root = self.root();
         let rows = 0..walk.rows();
         for [i, j, _] in walk.tiles(&root, rows)? {
             walk.tile(&root, [i, j], visit)?;
@@ -346,9 +294,9 @@ impl Engine {
         z: &[f32],
         cancel: &Cancel,
     ) -> Result<bool, FieldError> {
-        let layers = self.plane.layers(z);
+        let layers = self.layers(z);
         let mut walk = self.walk(&layers, cancel);
-        let root = Expr::new(self.root.clone());
+        let root = self.root();
         // The first tile that is not level ends the search.
         for row in 0..walk.rows() {
             cancel.check()?;
@@ -371,9 +319,9 @@ impl Engine {
         if z.is_empty() {
             return Ok(());
         }
-        let layers = self.plane.layers(z);
+        let layers = self.layers(z);
         let mut walk = self.walk(&layers, cancel);
         walk.leaves = leaves.to_vec();
-        walk.sample(&Expr::new(self.root.clone()), 1, visit)
+        walk.sample(&self.root(), 1, visit)
     }
 }

@@ -2,9 +2,40 @@
 //! a tile.
 
 use super::source::Source;
+use super::{FieldError, bug};
 use fidget::compiler::RegOp;
-use fidget::vm::VmFunction;
+use fidget::eval::Function;
+use fidget::vm::{VmFunction, VmTrace};
 use std::sync::OnceLock;
+
+/// Makes functions simpler, with memory of those that are no longer needed.
+#[derive(Default)]
+pub(super) struct Simplifier {
+    workspace: <VmFunction as Function>::Workspace,
+    storage: Vec<<VmFunction as Function>::Storage>,
+}
+
+impl Simplifier {
+    /// The expression without the branches that a trace rules out.
+    ///
+    /// # Errors
+    /// If fidget fails, which is a bug.
+    pub(super) fn simpler(
+        &mut self,
+        expr: &Expr,
+        trace: &VmTrace,
+    ) -> Result<Expr, FieldError> {
+        let storage = self.storage.pop().unwrap_or_default();
+        let simpler = expr.f.simplify(trace, storage, &mut self.workspace);
+        Ok(Expr::new(simpler.map_err(bug)?))
+    }
+
+    /// Takes back the memory of an expression, if there is one, that is not
+    /// needed any more.
+    pub(super) fn recycle(&mut self, expr: Option<Expr>) {
+        self.storage.extend(expr.and_then(|expr| expr.f.recycle()));
+    }
+}
 
 /// A function, and the inputs it reads.
 pub(super) struct Expr {

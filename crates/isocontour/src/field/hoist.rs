@@ -181,13 +181,29 @@ pub(super) fn rest(
     order: &[Node],
     taken: &HashMap<Node, Var>,
 ) -> Tree {
-    let mut made: HashMap<Node, Arc<TreeOp>> = HashMap::new();
+    rebuilt(ctx, order, |node, _| {
+        taken.get(&node).copied().map(TreeOp::Input)
+    })
+}
+
+/// What a node has become.
+pub(super) type Term = Arc<TreeOp>;
+
+/// The expression with other operations in place of those nodes for which
+/// `instead` has one. It is told of a node, and what nodes before have become. The
+/// root is the last of `order`.
+pub(super) fn rebuilt(
+    ctx: &Context,
+    order: &[Node],
+    mut instead: impl FnMut(Node, &dyn Fn(&Node) -> Term) -> Option<TreeOp>,
+) -> Tree {
+    let mut made: HashMap<Node, Term> = HashMap::new();
     let nan = Arc::new(TreeOp::Const(f32::NAN));
     let mut tree = Tree::constant(f32::NAN);
     for (k, node) in order.iter().enumerate() {
         let of = |n: &Node| made.get(n).unwrap_or(&nan).clone();
-        let op = match (taken.get(node), ctx.get_op(*node)) {
-            (Some(var), _) => TreeOp::Input(*var),
+        let op = match (instead(*node, &of), ctx.get_op(*node)) {
+            (Some(op), _) => op,
             (None, Some(Op::Input(var))) => TreeOp::Input(*var),
             (None, Some(Op::Const(c))) => TreeOp::Const(c.0),
             (None, Some(Op::Unary(op, a))) => TreeOp::Unary(*op, of(a)),

@@ -78,26 +78,18 @@ impl Lanes {
         let left = count % LANES;
         let long = if left > FEW { count } else { count - left };
         if long > 0 {
-            if self.numbers.len() < tape.slot_count() {
-                let zero = [Wide::ZERO; LANES / WIDTH];
-                self.numbers.resize(tape.slot_count(), zero);
-            }
             Arch::new().dispatch(Values {
                 tape,
-                registers: &mut self.numbers[..],
+                registers: enough(&mut self.numbers, tape, Wide::ZERO),
                 inputs,
                 points: 0..long,
                 out,
             });
         }
         if long < count {
-            if self.few.len() < tape.slot_count() {
-                let zero = [Wide::ZERO; FEW / WIDTH];
-                self.few.resize(tape.slot_count(), zero);
-            }
             Arch::new().dispatch(Values {
                 tape,
-                registers: &mut self.few[..],
+                registers: enough(&mut self.few, tape, Wide::ZERO),
                 inputs,
                 points: long..count,
                 out,
@@ -115,11 +107,7 @@ impl Lanes {
         out: &mut Vec<[f32; 3]>,
     ) {
         let tape = f.data().asm();
-        if self.duals.len() < tape.slot_count() {
-            let zero = [Dual::<Wide, 2>::splat(0.0); DUAL_LANES / WIDTH];
-            self.duals.resize(tape.slot_count(), zero);
-        }
-        let registers = &mut self.duals[..];
+        let registers = enough(&mut self.duals, tape, Dual::splat(0.0));
         Arch::new().dispatch(Derivatives {
             tape,
             registers,
@@ -128,9 +116,7 @@ impl Lanes {
             out,
         });
     }
-}
 
-impl Lanes {
     /// Appends to `out` the ranges of the function's (first) output over
     /// `count` boxes; none for a box that has to be evaluated alone. `input` is
     /// the range of an input over a box.
@@ -142,11 +128,7 @@ impl Lanes {
         out: &mut Vec<Option<Interval>>,
     ) {
         let tape = f.data().asm();
-        if self.spans.len() < tape.slot_count() {
-            let unknown = [Span::UNKNOWN; BOX_LANES / BOXES];
-            self.spans.resize(tape.slot_count(), unknown);
-        }
-        let registers = &mut self.spans[..];
+        let registers = enough(&mut self.spans, tape, Span::UNKNOWN);
         Arch::new().dispatch(Ranges {
             tape,
             registers,
@@ -155,6 +137,18 @@ impl Lanes {
             out,
         });
     }
+}
+
+/// As many registers as a tape has, or more.
+fn enough<'a, T: Copy, const N: usize>(
+    registers: &'a mut Vec<[T; N]>,
+    tape: &RegTape,
+    empty: T,
+) -> &'a mut [[T; N]] {
+    if registers.len() < tape.slot_count() {
+        registers.resize(tape.slot_count(), [empty; N]);
+    }
+    registers
 }
 
 /// The numbers of a list from place `from` on. Spare lanes repeat the last

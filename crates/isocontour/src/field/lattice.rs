@@ -55,12 +55,17 @@ impl Lattice {
 
     /// The lower left and the upper right node.
     pub fn corners(&self) -> (DVec2, DVec2) {
-        let ends = |axis: &[f32]| {
-            let last = axis.last().copied().unwrap_or_default();
-            (f64::from(axis[0]), f64::from(last))
-        };
-        let ((x0, x1), (y0, y1)) = (ends(&self.x), ends(&self.y));
-        (DVec2::new(x0, y0), DVec2::new(x1, y1))
+        (self.node(0, 0), self.node(self.width(), self.height()))
+    }
+
+    /// The node of column `i` and row `j`.
+    pub fn node(&self, i: usize, j: usize) -> DVec2 {
+        DVec2::new(f64::from(self.x[i]), f64::from(self.y[j]))
+    }
+
+    /// The cell of column `i` and row `j`.
+    pub fn cell(&self, i: usize, j: usize) -> Rect {
+        Rect::new(self.node(i, j), self.node(i + 1, j + 1))
     }
 
     /// Cells along x.

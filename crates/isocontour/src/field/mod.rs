@@ -56,7 +56,7 @@ use crate::cancel::{Cancel, Cancelled};
 use crate::ceiling::uncapped;
 use crate::plane::Rect;
 use calls::Called;
-use engine::{Engine, Plane};
+use engine::Engine;
 use fidget::context::{Context, Tree};
 use split::Split;
 use std::sync::OnceLock;
@@ -136,26 +136,19 @@ pub struct Leaf {
 /// Evaluates the field at any points within one lattice cell of a batch of
 /// leaves, at the heights of their layers or next to them ([`apart`]).
 pub trait Sampler {
-    /// Writes field values at the points to `out`.
+    /// Writes field values at points, of which `at` has the coordinates, to
+    /// `out`.
     ///
     /// # Errors
     /// If the work has to stop.
     fn values(
         &mut self,
-        x: &[f32],
-        y: &[f32],
-        z: &[f32],
+        at: [&[f32]; 3],
         out: &mut Vec<f32>,
     ) -> Result<(), FieldError>;
 
     /// Field values and in-plane slopes (f, ∂f/∂x, ∂f/∂y), written over `out`.
-    fn slopes(
-        &mut self,
-        x: &[f32],
-        y: &[f32],
-        z: &[f32],
-        out: &mut Vec<[f32; 3]>,
-    );
+    fn slopes(&mut self, at: [&[f32]; 3], out: &mut Vec<[f32; 3]>);
 }
 
 /// A batch of sampled leaves.
@@ -223,9 +216,8 @@ impl Field {
         let root = ctx.import(&tree);
         let root = uncapped(&mut ctx, root);
         let root = blend::branched(&mut ctx, root);
-        let called = Called::new(ctx, root, None)?;
-        let plane = Plane::new(Split::new(called)?, &lattice);
-        let engine = Engine::new(plane)?;
+        let split = Split::new(Called::new(ctx, root, None)?)?;
+        let engine = Engine::new(split, &lattice);
         Ok(Field {
             tree,
             lattice,

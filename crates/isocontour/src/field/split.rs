@@ -2,28 +2,24 @@
 //! and the rest, with the sources of the rest's inputs.
 
 use super::axis::{Axis, Level};
-use super::calls::{Call, Called};
+use super::calls::{Call, Called, function};
 use super::hoist::{Hoisted, hoist};
 use super::source::Source;
 use super::{FieldError, bug};
 use crate::interval::Interval;
-use fidget::context::{Context, Node};
 use fidget::eval::MathFunction;
-use fidget::var::Var;
 use fidget::vm::VmFunction;
-use std::collections::HashMap;
 
 /// An expression split into parts that depend on one coordinate, and the rest.
 pub(super) struct Split {
-    /// Context and root of the rest.
-    pub context: Context,
-    pub root: Node,
+    /// The rest.
+    pub f: VmFunction,
     /// The calls of data.
     pub calls: Vec<Call>,
     /// The parts, by axis.
     pub parts: [Vec<VmFunction>; 3],
-    /// For each variable of the rest, where its value is from.
-    pub sources: HashMap<Var, Source>,
+    /// For each input of the rest, where its value is from.
+    pub sources: Vec<Source>,
 }
 
 impl Split {
@@ -46,11 +42,9 @@ impl Split {
             sources.insert(part.var, Source::Part(part.axis, of_axis.len()));
             of_axis.push(f);
         }
-        let mut context = Context::new();
-        let root = context.import(&tree);
+        let (f, sources) = function(&tree, &sources)?;
         Ok(Split {
-            context,
-            root,
+            f,
             calls,
             parts: by_axis,
             sources,

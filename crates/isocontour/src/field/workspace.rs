@@ -3,13 +3,12 @@
 use super::axis::{self, Level, Located};
 use super::boxes::Boxes;
 use super::calls::Calls;
-use super::expr::Expr;
+use super::expr::{Expr, Simplifier};
 use super::lanes::{Lanes, Seed, Slopes};
 use super::source::Source;
 use super::split::{Axes, Split};
-use super::{FieldError, Leaf, NODES, bug};
+use super::{FieldError, Leaf, NODES};
 use crate::interval::Interval;
-use fidget::eval::Function;
 use fidget::vm::VmFunction;
 
 /// Number of leaves evaluated at once. Their memory fits a core's cache.
@@ -28,16 +27,14 @@ pub(super) enum Proof {
 pub(super) struct Workspace<'a> {
     parts: &'a [Vec<VmFunction>; 3],
     /// The source of each input of the tapes. Simplified tapes keep the order.
-    sources: Vec<Source>,
+    sources: &'a [Source],
     calls: Calls<'a>,
     alone: Boxes,
     /// What is known of each box.
     found: Vec<Option<Interval>>,
     lanes: Lanes,
-    simplify: <VmFunction as Function>::Workspace,
+    simplifier: Simplifier,
     axis: axis::Scratch,
-    /// Memory of functions that are no longer needed, for the next ones.
-    functions: Vec<<VmFunction as Function>::Storage>,
     /// For each input, its value at each point.
     values: Vec<Vec<f32>>,
     /// For each input, its slope at each point.
@@ -47,15 +44,8 @@ pub(super) struct Workspace<'a> {
 }
 
 impl<'a> Workspace<'a> {
-    pub(super) fn new(root: &VmFunction, split: &'a Split) -> Self {
-        let mut sources = vec![Source::Coordinate(0); root.vars().len()];
-        for (var, slot) in root.vars().iter() {
-            if let (Some(s), Some(known)) =
-                (sources.get_mut(slot), split.sources.get(&var))
-            {
-                *s = *known;
-            }
-        }
+    pub(super) fn new(split: &'a Split) -> Self {
+        let sources = &split.sources;
         let slots = sources.len().max(1);
         Workspace {
             parts: &split.parts,
@@ -64,9 +54,8 @@ impl<'a> Workspace<'a> {
             alone: Boxes::default(),
             found: Vec::new(),
             lanes: Lanes::default(),
-            simplify: Default::default(),
+            simplifier: Simplifier::default(),
             axis: axis::Scratch::default(),
-            functions: Vec::new(),
             values: vec![Vec::new(); slots],
             slopes: vec![Vec::new(); slots],
             located: Default::default(),
@@ -81,8 +70,7 @@ impl<'a> Workspace<'a> {
         level: Level,
         boxes: &[[usize; 3]],
     ) {
-        let sources = &self.sources;
-        let read = expr.read(sources);
+        let read = expr.read(self.sources);
         let extents = boxes.iter().map(|&at| axes.extent(level, at));
         self.calls.over(read, extents);
     }
@@ -99,7 +87,7 @@ impl<'a> Workspace<'a> {
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         self.call_over(expr, axes, level, boxes);
-        let (sources, calls) = (&self.sources, &self.calls);
+        let (sources, calls) = (self.sources, &self.calls);
         let input = |slot: usize, k: usize| match sources.get(slot) {
             Some(&Source::Call(c)) => calls.range(c, k),
             source => axes.over(source, level, boxes[k]),
@@ -136,7 +124,7 @@ impl<'a> Workspace<'a> {
         simplify: bool,
     ) -> Result<Proof, FieldError> {
         self.call_over(expr, axes, level, &[at]);
-        let (sources, calls) = (&self.sources, &self.calls);
+        let (sources, calls) = (self.sources, &self.calls);
         let input = |slot: usize| match sources.get(slot) {
             Some(&Source::Call(c)) => calls.range(c, 0),
             source => axes.over(source, level, at),
@@ -151,18 +139,9 @@ impl<'a> Workspace<'a> {
         if !range.nan && (range.lo >= 0.0 || range.hi < 0.0) {
             return Ok(Proof::Uniform);
         }
-        let simpler = match trace {
-            Some(trace) if simplify => {
-                let storage = self.functions.pop().unwrap_or_default();
-                let f = expr
-                    .f
-                    .simplify(trace, storage, &mut self.simplify)
-                    .map_err(bug)?;
-                Some(Expr::new(f))
-            }
-            _ => None,
-        };
-        Ok(Proof::Ambiguous(simpler))
+        let trace = trace.filter(|_| simplify);
+        let simpler = trace.map(|trace| self.simplifier.simpler(expr, trace));
+        Ok(Proof::Ambiguous(simpler.transpose()?))
     }
 
     /// True if an expression does not read z.
@@ -184,7 +163,7 @@ impl<'a> Workspace<'a> {
     ) {
         out.clear();
         let used = expr.inputs();
-        let read = || expr.read(&self.sources);
+        let read = || expr.read(self.sources);
         let has_calls = read().any(|s| matches!(s, Source::Call(_)));
         let mut points: [Vec<f32>; 3] = Default::default();
         for leaves in leaves.chunks(AT_ONCE) {
@@ -242,7 +221,7 @@ impl<'a> Workspace<'a> {
     ) {
         let used = expr.inputs();
         self.locate(used, axes, points);
-        let read = expr.read(&self.sources);
+        let read = expr.read(self.sources);
         self.calls.at(read, &points);
         for &slot in used {
             if let Source::Part(a, p) = self.sources[slot] {
@@ -278,7 +257,7 @@ impl<'a> Workspace<'a> {
     ) {
         let used = expr.inputs();
         self.locate(used, axes, points);
-        let read = expr.read(&self.sources);
+        let read = expr.read(self.sources);
         self.calls.at_with_slopes(read, points, [0, 1, 2]);
         for &slot in used {
             if let Source::Part(a, p) = self.sources[slot] {
@@ -313,9 +292,9 @@ impl<'a> Workspace<'a> {
         lanes.slopes(&expr.f, &seeds, points[0].len(), out);
     }
 
-    /// Takes back the memory of an expression that is not needed any more.
-    pub(super) fn recycle(&mut self, expr: Expr) {
-        self.functions.extend(expr.f.recycle());
+    /// Takes back the memory of a simpler expression.
+    pub(super) fn recycle(&mut self, expr: Option<Expr>) {
+        self.simplifier.recycle(expr);
     }
 }
 

@@ -36,6 +36,17 @@ impl Interval {
         self.add(o.neg())
     }
 
+    /// A function of each end of one interval and each of the other.
+    #[inline(always)]
+    fn of_ends(self, o: Self, f: impl Fn(f64, f64) -> f64) -> [f64; 4] {
+        [
+            f(self.lo, o.lo),
+            f(self.lo, o.hi),
+            f(self.hi, o.lo),
+            f(self.hi, o.hi),
+        ]
+    }
+
     /// The range of four finite numbers, which are products or quotients of
     /// ends; none if one is not finite.
     #[inline]
@@ -61,12 +72,7 @@ impl Interval {
 
     #[inline]
     pub(crate) fn mul(self, o: Self) -> Self {
-        let p = [
-            self.lo * o.lo,
-            self.lo * o.hi,
-            self.hi * o.lo,
-            self.hi * o.hi,
-        ];
+        let p = self.of_ends(o, |a, b| a * b);
         // This is nearly always so. Then no end is infinite, and no operand is
         // empty.
         Self::of_four(p, self.nan || o.nan)
@@ -82,17 +88,11 @@ impl Interval {
         let product = |a: f64, b: f64| {
             if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
         };
-        let p = [
-            product(self.lo, o.lo),
-            product(self.lo, o.hi),
-            product(self.hi, o.lo),
-            product(self.hi, o.hi),
-        ];
         let nan = self.nan
             || o.nan
             || (!self.is_finite() && o.contains(0.0))
             || (!o.is_finite() && self.contains(0.0));
-        Self::around(p, nan)
+        Self::around(self.of_ends(o, product), nan)
     }
 
     pub(crate) fn div(self, o: Self) -> Self {
@@ -104,43 +104,30 @@ impl Interval {
         let q = if o.lo > 0.0 || o.hi < 0.0 {
             // The quotient is computed directly, not by the reciprocal, so that
             // exact ends stay exact.
-            let q = [
-                self.lo / o.lo,
-                self.lo / o.hi,
-                self.hi / o.lo,
-                self.hi / o.hi,
-            ];
+            let q = self.of_ends(o, |a, b| a / b);
             let nan = self.nan || o.nan;
-            if let Some(q) = Self::of_four(q, nan) {
-                return q;
-            }
-            Self::around(q, nan)
+            Self::of_four(q, nan).unwrap_or_else(|| Self::around(q, nan))
         } else {
             self.mul(o.recip())
         };
         q.or_nan(undefined)
     }
 
-    pub(crate) fn min(self, o: Self) -> Self {
+    /// The range of the lesser or greater of two numbers.
+    fn either(self, o: Self, pick: impl Fn(f64, f64) -> f64) -> Self {
         if self.is_empty() || o.is_empty() {
             return Self::EMPTY;
         }
-        Self {
-            lo: self.lo.min(o.lo),
-            hi: self.hi.min(o.hi),
-            nan: self.nan || o.nan,
-        }
+        Self::new(pick(self.lo, o.lo), pick(self.hi, o.hi))
+            .or_nan(self.nan || o.nan)
+    }
+
+    pub(crate) fn min(self, o: Self) -> Self {
+        self.either(o, f64::min)
     }
 
     pub(crate) fn max(self, o: Self) -> Self {
-        if self.is_empty() || o.is_empty() {
-            return Self::EMPTY;
-        }
-        Self {
-            lo: self.lo.max(o.lo),
-            hi: self.hi.max(o.hi),
-            nan: self.nan || o.nan,
-        }
+        self.either(o, f64::max)
     }
 
     /// Angle of (x = `x`, y = `self`).
@@ -153,13 +140,7 @@ impl Interval {
         if self.contains(0.0) && x.lo < 0.0 {
             return Self::new(-PI, PI).or_nan(nan);
         }
-        let c = [
-            self.lo.atan2(x.lo),
-            self.lo.atan2(x.hi),
-            self.hi.atan2(x.lo),
-            self.hi.atan2(x.hi),
-        ];
-        Self::around(c, nan)
+        Self::around(self.of_ends(x, f64::atan2), nan)
     }
 
     /// Euclidean remainder, as fidget's `modulo`.

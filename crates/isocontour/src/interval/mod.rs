@@ -14,8 +14,6 @@
 
 mod binary;
 #[cfg(test)]
-mod oracle;
-#[cfg(test)]
 mod tests;
 mod unary;
 
@@ -31,55 +29,34 @@ pub(crate) struct Interval {
 
 impl Interval {
     /// Every number, and NaN: nothing is known.
-    pub(crate) const ANYTHING: Self = Self {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-        nan: true,
-    };
+    pub(crate) const ANYTHING: Self = Self::REALS.or_nan(true);
 
     /// No number: certainly NaN.
-    pub(crate) const EMPTY: Self = Self {
-        lo: f64::INFINITY,
-        hi: f64::NEG_INFINITY,
-        nan: true,
-    };
+    pub(crate) const EMPTY: Self =
+        Self::new(f64::INFINITY, f64::NEG_INFINITY).or_nan(true);
 
     /// Every number, but never NaN.
-    pub(crate) const REALS: Self = Self {
-        lo: f64::NEG_INFINITY,
-        hi: f64::INFINITY,
-        nan: false,
-    };
+    pub(crate) const REALS: Self = Self::new(f64::NEG_INFINITY, f64::INFINITY);
 
-    pub(crate) const ZERO: Self = Self {
-        lo: 0.0,
-        hi: 0.0,
-        nan: false,
-    };
+    pub(crate) const ZERO: Self = Self::new(0.0, 0.0);
 
     pub(crate) fn point(v: f64) -> Self {
         if v.is_nan() {
             return Self::EMPTY;
         }
-        Self {
-            lo: v,
-            hi: v,
-            nan: false,
-        }
+        Self::new(v, v)
     }
 
-    pub(crate) fn new(lo: f64, hi: f64) -> Self {
+    pub(crate) const fn new(lo: f64, hi: f64) -> Self {
         Self { lo, hi, nan: false }
     }
 
     /// The interval with ends that arithmetic may have made NaN.
     fn sane(lo: f64, hi: f64, nan: bool) -> Self {
         let lost = lo.is_nan() || hi.is_nan();
-        Self {
-            lo: if lo.is_nan() { f64::NEG_INFINITY } else { lo },
-            hi: if hi.is_nan() { f64::INFINITY } else { hi },
-            nan: nan || lost,
-        }
+        let lo = if lo.is_nan() { f64::NEG_INFINITY } else { lo };
+        let hi = if hi.is_nan() { f64::INFINITY } else { hi };
+        Self::new(lo, hi).or_nan(nan || lost)
     }
 
     pub(crate) fn is_empty(self) -> bool {
@@ -100,14 +77,11 @@ impl Interval {
     }
 
     pub(crate) fn hull(self, other: Self) -> Self {
-        Self {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.max(other.hi),
-            nan: self.nan || other.nan,
-        }
+        Self::new(self.lo.min(other.lo), self.hi.max(other.hi))
+            .or_nan(self.nan || other.nan)
     }
 
-    pub(crate) fn or_nan(self, nan: bool) -> Self {
+    pub(crate) const fn or_nan(self, nan: bool) -> Self {
         Self {
             nan: self.nan || nan,
             ..self

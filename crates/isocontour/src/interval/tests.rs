@@ -1,3 +1,5 @@
+mod oracle;
+
 use super::*;
 
 /// Values that have broken interval arithmetic before.

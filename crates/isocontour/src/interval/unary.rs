@@ -16,11 +16,7 @@ impl Interval {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        Self {
-            lo: -self.hi,
-            hi: -self.lo,
-            nan: self.nan,
-        }
+        Self::new(-self.hi, -self.lo).or_nan(self.nan)
     }
 
     pub(crate) fn abs(self) -> Self {
@@ -29,11 +25,7 @@ impl Interval {
         } else if self.hi <= 0.0 {
             self.neg()
         } else {
-            Self {
-                lo: 0.0,
-                hi: self.magnitude(),
-                nan: self.nan,
-            }
+            Self::new(0.0, self.magnitude()).or_nan(self.nan)
         }
     }
 
@@ -59,26 +51,21 @@ impl Interval {
         }
     }
 
-    pub(crate) fn sqrt(self) -> Self {
+    /// The range of a function that rises from 0 on, and is NaN below 0.
+    fn rising_from_zero(self, f: impl Fn(f64) -> f64) -> Self {
         if self.hi < 0.0 || self.is_empty() {
             return Self::EMPTY;
         }
-        Self::sane(
-            self.lo.max(0.0).sqrt(),
-            self.hi.sqrt(),
-            self.nan || self.lo < 0.0,
-        )
+        let nan = self.nan || self.lo < 0.0;
+        Self::sane(f(self.lo.max(0.0)), f(self.hi), nan)
+    }
+
+    pub(crate) fn sqrt(self) -> Self {
+        self.rising_from_zero(f64::sqrt)
     }
 
     pub(crate) fn ln(self) -> Self {
-        if self.hi < 0.0 || self.is_empty() {
-            return Self::EMPTY;
-        }
-        Self::sane(
-            self.lo.max(0.0).ln(),
-            self.hi.ln(),
-            self.nan || self.lo < 0.0,
-        )
+        self.rising_from_zero(f64::ln)
     }
 
     pub(crate) fn exp(self) -> Self {
@@ -106,11 +93,8 @@ impl Interval {
         if self.is_empty() || self.lo > 1.0 || self.hi < -1.0 {
             return Self::EMPTY;
         }
-        Self {
-            lo: self.lo.max(-1.0),
-            hi: self.hi.min(1.0),
-            nan: self.nan || self.lo < -1.0 || self.hi > 1.0,
-        }
+        let nan = self.nan || self.lo < -1.0 || self.hi > 1.0;
+        Self::new(self.lo.max(-1.0), self.hi.min(1.0)).or_nan(nan)
     }
 
     pub(crate) fn asin(self) -> Self {

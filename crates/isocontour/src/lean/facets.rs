@@ -106,20 +106,10 @@ impl Search<'_> {
         known: &Parts,
     ) -> (Vec<Surface>, Facets) {
         let mut facets = Facets::default();
-        let mut others = Vec::new();
-        for surface in surfaces {
-            let is_known = self.facets_of(
-                cell,
-                seen,
-                program,
-                &surface,
-                known,
-                &mut facets,
-            );
-            if !is_known {
-                others.push(surface);
-            }
-        }
+        let is_other = |of: &Surface| {
+            !self.facets_of(cell, seen, program, of, known, &mut facets)
+        };
+        let others = surfaces.into_iter().filter(is_other).collect();
         (others, facets)
     }
 
@@ -174,8 +164,10 @@ impl Search<'_> {
                 Kind::Leaning(up) if up <= least => continue,
                 Kind::Leaning(up) => facets.most = facets.most.max(up),
             }
-            let facet = *facet;
-            parts.push(Part { facet, kind });
+            parts.push(Part {
+                facet: *facet,
+                kind,
+            });
         }
         facets.parts.push(Told {
             data: std::ptr::from_ref(placed.data).cast(),

@@ -7,6 +7,7 @@
 #[cfg(feature = "geo-types")]
 mod geo;
 pub mod nest;
+pub mod shelves;
 pub mod simplify;
 
 use crate::{Content, Length};
@@ -290,10 +291,16 @@ pub fn edges(
     (0..n).map(move |i| (ring[i], ring[if i + 1 == n { 0 } else { i + 1 }]))
 }
 
-/// True if the ring winds around the point (crossing count of a ray).
+/// True if the ring winds around the point.
 #[inline]
 pub fn ring_contains(ring: &[DVec2], p: DVec2) -> bool {
-    edges(ring).fold(false, |inside, (a, b)| {
+    is_within(edges(ring), p)
+}
+
+/// True if a ray from the point to the right crosses an odd number of edges.
+#[inline]
+fn is_within(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2) -> bool {
+    edges.fold(false, |inside, (a, b)| {
         if (a.y > p.y) == (b.y > p.y) {
             return inside;
         }

@@ -5,7 +5,8 @@
 //! them instead of all. This is near enough to linear growth for a layer of
 //! many thousand islands or holes.
 
-use super::{Ring, edges, signed_area};
+use super::shelves::Shelves;
+use super::{Ring, edges, is_within, signed_area};
 use crate::{Content, Length};
 use glam::DVec2;
 
@@ -13,12 +14,24 @@ use glam::DVec2;
 pub struct Nest {
     /// Content of each ring.
     contents: Vec<Content>,
+    bands: Bands,
+    /// Ring and ends of the edges of each band.
+    edges: Shelves<(u32, DVec2, DVec2)>,
+}
+
+/// Bands of the plane of one height.
+struct Bands {
     bottom: f64,
-    band: Length,
-    /// Where each band's edges begin in `members`; one more than bands.
-    starts: Vec<u32>,
-    /// Ring and ends of the edges, band by band.
-    members: Vec<(u32, DVec2, DVec2)>,
+    height: Length,
+    count: usize,
+}
+
+impl Bands {
+    /// The band in which a place is.
+    fn at(&self, y: f64) -> usize {
+        let k = (y - self.bottom) / self.height;
+        (k.max(0.0) as usize).min(self.count - 1)
+    }
 }
 
 impl Nest {
@@ -46,46 +59,24 @@ impl Nest {
         // No band is lower than the edges' mean height, so that an edge is in
         // about two bands. There are no more bands than edges.
         let mean = rise.max(top - bottom) / count.max(1) as f64;
-        let band = mean.max(1e-9);
-        let bands = ((top - bottom) / band) as usize + 1;
-        let mut nest = Nest {
-            contents,
+        let height = mean.max(1e-9);
+        let bands = Bands {
             bottom,
-            band,
-            starts: vec![0; bands + 1],
-            members: Vec::new(),
+            height,
+            count: ((top - bottom) / height) as usize + 1,
         };
-        // Count, sum up, then fill each band's share.
-        for (_, a, b) in all() {
-            for k in nest.bands(a, b) {
-                nest.starts[k + 1] += 1;
+        let edges = Shelves::new(bands.count, |put| {
+            for (i, a, b) in all() {
+                for band in bands.at(a.y.min(b.y))..=bands.at(a.y.max(b.y)) {
+                    put(band, (i, a, b));
+                }
             }
+        });
+        Nest {
+            contents,
+            bands,
+            edges,
         }
-        for k in 0..bands {
-            nest.starts[k + 1] += nest.starts[k];
-        }
-        let mut next = nest.starts.clone();
-        let size = nest.starts[bands] as usize;
-        let mut members = vec![(0, DVec2::ZERO, DVec2::ZERO); size];
-        for (i, a, b) in all() {
-            for k in nest.bands(a, b) {
-                members[next[k] as usize] = (i, a, b);
-                next[k] += 1;
-            }
-        }
-        nest.members = members;
-        nest
-    }
-
-    /// The bands that an edge passes through.
-    fn bands(&self, a: DVec2, b: DVec2) -> std::ops::RangeInclusive<usize> {
-        self.of(a.y.min(b.y))..=self.of(a.y.max(b.y))
-    }
-
-    /// The band at a height.
-    fn of(&self, y: f64) -> usize {
-        let k = (y - self.bottom) / self.band;
-        (k.max(0.0) as usize).min(self.starts.len() - 2)
     }
 
     /// Content of a ring, by its number.
@@ -101,28 +92,16 @@ impl Nest {
 
     /// The number of the smallest ring around the point, of all but one.
     pub fn around_but(&self, p: DVec2, except: usize) -> Option<usize> {
-        let k = self.of(p.y);
-        let (from, to) = (self.starts[k], self.starts[k + 1]);
-        let members = &self.members[from as usize..to as usize];
-        // A ring that is crossed an odd number of times on the way to the right
-        // is around the point. The edges of a ring follow each other.
         let mut best: Option<usize> = None;
-        let mut rest = members;
-        while let Some(&(ring, ..)) = rest.first() {
-            let n = rest.iter().take_while(|m| m.0 == ring).count();
-            let (own, others) = rest.split_at(n);
-            rest = others;
-            let inside = own.iter().fold(false, |inside, &(_, a, b)| {
-                if (a.y > p.y) == (b.y > p.y) {
-                    return inside;
-                }
-                let x = a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
-                inside ^ (p.x < x)
-            });
-            let ring = ring as usize;
+        // The edges of a ring follow each other.
+        let band = self.edges.at(self.bands.at(p.y));
+        for own in band.chunk_by(|a, b| a.0 == b.0) {
+            let ring = own[0].0 as usize;
+            let edges = own.iter().map(|&(_, a, b)| (a, b));
             let smaller =
                 |best: usize| self.contents[ring] < self.contents[best];
-            if inside && ring != except && best.is_none_or(smaller) {
+            if is_within(edges, p) && ring != except && best.is_none_or(smaller)
+            {
                 best = Some(ring);
             }
         }

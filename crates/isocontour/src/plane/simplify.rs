@@ -52,10 +52,7 @@ pub fn simplify_but(
     stays: impl Fn(DVec2) -> bool,
 ) -> Ring {
     let mut points = ring.to_vec();
-    points.dedup();
-    while points.len() > 1 && points.first() == points.last() {
-        points.pop();
-    }
+    drop_repeated(&mut points);
     if points.len() < 3 {
         return Ring::new();
     }
@@ -199,12 +196,17 @@ fn walk(
 /// count.
 const STRAIGHT: f64 = 1e-7;
 
-/// Takes out the points at which a ring goes straight on, or straight back.
-fn drop_straight(ring: &mut Ring) {
+/// Takes out the points of a ring that equal the point before them.
+fn drop_repeated(ring: &mut Ring) {
     ring.dedup();
     while ring.len() > 1 && ring.first() == ring.last() {
         ring.pop();
     }
+}
+
+/// Takes out the points at which a ring goes straight on, or straight back.
+fn drop_straight(ring: &mut Ring) {
+    drop_repeated(ring);
     let n = ring.len();
     if n < 4 {
         return;

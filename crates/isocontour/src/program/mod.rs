@@ -22,6 +22,7 @@
 
 mod blend;
 mod called;
+mod inverse;
 mod mix;
 mod piece;
 mod simplify;

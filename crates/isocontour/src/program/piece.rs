@@ -150,7 +150,7 @@ pub(super) fn pieces_of(step: &Step, a: &Slot, b: &Slot) -> Vec<f64> {
                 }
                 // If the two operands are equal on a surface only, the piece
                 // between has no thickness.
-                return if grows(&difference(a, b)) {
+                return if grows(&a.sub(*b)) {
                     vec![-1.0, 1.0]
                 } else {
                     vec![-1.0, 0.0, 1.0]
@@ -244,10 +244,7 @@ pub(super) fn contract(
 /// Removes from `cell` the places where the value of `slot` is less than
 /// `least`.
 fn keep_above(slot: &Slot, least: f64, whole: &Cell, cell: &mut Cell) {
-    let known = !slot.range.nan
-        && slot.centre.is_finite()
-        && slot.slope.iter().all(|g| g.is_finite() && !g.nan);
-    if !known || !least.is_finite() {
+    if !slot.is_known() || !least.is_finite() {
         return;
     }
     let centre = whole.centre();
@@ -272,10 +269,6 @@ fn keep_above(slot: &Slot, least: f64, whole: &Cell, cell: &mut Cell) {
 /// one value on a surface only.
 fn grows(slot: &Slot) -> bool {
     !slot.range.nan && slot.slope.iter().any(|g| g.lo > 0.0 || g.hi < 0.0)
-}
-
-fn difference(a: &Slot, b: &Slot) -> Slot {
-    a.sub(*b)
 }
 
 fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
@@ -303,8 +296,8 @@ fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
         }
         Step::Binary(BinaryOpcode::Atan, ..) => side(*a, index > 0.0),
         Step::Binary(BinaryOpcode::Compare, ..) => match index {
-            0.0 => (difference(a, b), 0.0, 0.0),
-            _ => side(difference(a, b), index > 0.0),
+            0.0 => (a.sub(*b), 0.0, 0.0),
+            _ => side(a.sub(*b), index > 0.0),
         },
         _ => side(*b, index > 0.0),
     };
@@ -313,20 +306,23 @@ fn condition(step: &Step, index: f64, a: &Slot, b: &Slot) -> Condition {
 
 /// a - index·|b|: the remainder in that period, continued beyond it.
 fn remainder(index: f64, a: &Slot, b: &Slot) -> Slot {
-    let times = Slot::constant(index);
-    difference(a, &b.abs().mul(times))
+    a.sub(b.abs().mul(Slot::constant(index)))
 }
 
 /// The angle of b and a in a sector, continued beyond it where it jumps.
 fn angle(sector: f64, a: &Slot, b: &Slot) -> Slot {
     if b.range.hi < 0.0 {
-        // Left of the pole the angle is ±π + atan(y/x).
-        let is_left = sector - FIRST_SECTOR >= 0.5 * SECTORS;
-        let turn = if is_left { PI } else { -PI };
-        a.div(*b).atan().add(Slot::constant(turn))
+        left_of_pole(sector - FIRST_SECTOR >= 0.5 * SECTORS, a, b)
     } else {
         binary(BinaryOpcode::Atan, *a, *b)
     }
+}
+
+/// The angle of b and a left of the pole, ±π + atan(a / b), on one side of its
+/// jump.
+fn left_of_pole(is_above: bool, a: &Slot, b: &Slot) -> Slot {
+    let turn = if is_above { PI } else { -PI };
+    a.div(*b).atan().add(Slot::constant(turn))
 }
 
 fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
@@ -385,11 +381,7 @@ fn piece_slot(step: &Step, index: f64, a: &Slot, b: &Slot) -> Slot {
                 slot.range.hi = slot.range.hi.min(hi);
                 slot
             }
-            BinaryOpcode::Atan => {
-                // Left of the pole the angle is ±π + atan(y/x).
-                let turn = if index > 0.0 { PI } else { -PI };
-                a.div(*b).atan().add(Slot::constant(turn))
-            }
+            BinaryOpcode::Atan => left_of_pole(index > 0.0, a, b),
             BinaryOpcode::Div => binary(*op, *a, beside(b)),
             _ => constant(index, a.range.nan || b.range.nan),
         },

@@ -8,11 +8,13 @@
 //! down from the field to its operands, as the window of an alpha-beta search
 //! is.
 
+use super::inverse::{inverse, only};
 use super::piece::{StepPiece, pieces_of};
 use super::slot::Slot;
 use super::{Program, Scratch, Step, slots_of};
 use crate::interval::Interval;
 use fidget::context::{BinaryOpcode, UnaryOpcode};
+use std::rc::Rc;
 
 /// The window of values that make a difference: values above `hi` count as
 /// `hi`, values below `lo` as `lo`.
@@ -140,6 +142,11 @@ impl Program {
         self.needed(s).1
     }
 
+    /// What [`Program::simplify`] gives, or the program itself.
+    pub(crate) fn simplified(self: &Rc<Self>, scratch: &Scratch) -> Rc<Self> {
+        self.simplify(scratch).map_or_else(|| self.clone(), Rc::new)
+    }
+
     /// The program without the branches of `min` and `max` that the last
     /// `enclose` (of this program, with this scratch) proved not to decide the
     /// sign; `None` if that would save little.
@@ -196,17 +203,12 @@ impl Program {
                 .filter(|p| {
                     let step = &self.steps[p.step as usize];
                     let [a, b] = slots_of(s, step);
-                    jumps(step, a, b)
+                    !pieces_of(step, a, b).is_empty()
                 })
                 .map(moved)
                 .collect(),
         })
     }
-}
-
-/// True if a step has more than one piece in the box of these slots.
-fn jumps(step: &Step, a: &Slot, b: &Slot) -> bool {
-    !pieces_of(step, a, b).is_empty()
 }
 
 /// The operand that a `min` or `max` passes on, as far as it makes a
@@ -251,37 +253,21 @@ fn handed_down(
     s: &[Slot],
 ) -> [Window; 2] {
     let (ra, rb) = (s[a as usize].range, s[b as usize].range);
-    let number = |r: Interval| (r.lo == r.hi && !r.nan).then_some(r.lo);
-    match (op, number(ra), number(rb)) {
-        (BinaryOpcode::Min, ..) => [rb, ra].map(|other| Window {
+    match op {
+        BinaryOpcode::Min => [rb, ra].map(|other| Window {
             lo: window.lo,
             hi: window.hi.min(other.hi),
         }),
-        (BinaryOpcode::Max, ..) => [rb, ra].map(|other| Window {
+        BinaryOpcode::Max => [rb, ra].map(|other| Window {
             lo: window.lo.max(other.lo),
             hi: window.hi,
         }),
-        (BinaryOpcode::Add, _, Some(c)) => {
-            [window.mapped(|v| v - c), Window::OPEN]
+        _ => {
+            let mut windows = [Window::OPEN; 2];
+            if let Some((operand, of)) = inverse(op, [ra, rb].map(only)) {
+                windows[operand] = window.mapped(of);
+            }
+            windows
         }
-        (BinaryOpcode::Add, Some(c), _) => {
-            [Window::OPEN, window.mapped(|v| v - c)]
-        }
-        (BinaryOpcode::Sub, _, Some(c)) => {
-            [window.mapped(|v| v + c), Window::OPEN]
-        }
-        (BinaryOpcode::Sub, Some(c), _) => {
-            [Window::OPEN, window.mapped(|v| c - v)]
-        }
-        (BinaryOpcode::Mul, _, Some(c)) if c != 0.0 => {
-            [window.mapped(|v| v / c), Window::OPEN]
-        }
-        (BinaryOpcode::Mul, Some(c), _) if c != 0.0 => {
-            [Window::OPEN, window.mapped(|v| v / c)]
-        }
-        (BinaryOpcode::Div, _, Some(c)) if c != 0.0 => {
-            [window.mapped(|v| v * c), Window::OPEN]
-        }
-        _ => [Window::OPEN; 2],
     }
 }

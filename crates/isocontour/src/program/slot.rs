@@ -31,6 +31,13 @@ impl Slot {
         }
     }
 
+    /// True if the value, its range and its slopes are known.
+    pub(super) fn is_known(&self) -> bool {
+        !self.range.nan
+            && self.centre.is_finite()
+            && self.slope.iter().all(|g| g.is_finite() && !g.nan)
+    }
+
     fn dual(self) -> Dual<Interval, 3> {
         Dual {
             v: self.range,
@@ -80,16 +87,12 @@ impl Number for Slot {
 /// The slot with its range cut down by the centred form.
 pub(super) fn tightened(mut slot: Slot, half: [f64; 3]) -> Slot {
     // The mean value theorem does not hold across a hole in the domain (NaN).
-    if slot.range.nan || !slot.centre.is_finite() {
+    if !slot.is_known() {
         return slot;
     }
     let mut reach = 0.0;
     for (slope, half) in slot.slope.iter().zip(half) {
-        let steepest = slope.magnitude();
-        if slope.nan || !steepest.is_finite() {
-            return slot;
-        }
-        reach += steepest * half;
+        reach += slope.magnitude() * half;
     }
     let lo = slot.range.lo.max(slot.centre - reach);
     let hi = slot.range.hi.min(slot.centre + reach);
@@ -121,13 +124,8 @@ pub(super) fn mixed(
         BinaryOpcode::Min => -1.0,
         _ => return slot,
     };
-    let known = |s: &Slot| {
-        !s.range.nan
-            && s.centre.is_finite()
-            && s.slope.iter().all(|g| g.is_finite() && !g.nan)
-    };
     let decided = a.range.hi <= b.range.lo || b.range.hi <= a.range.lo;
-    if decided || !known(a) || !known(b) {
+    if decided || !a.is_known() || !b.is_known() {
         return slot;
     }
     let middle = |g: Interval| 0.5 * (g.lo + g.hi);

@@ -6,6 +6,7 @@
 //! looked at face by face. Functions of one operand that keep its level sets,
 //! such as a root or a sum with a constant, are replaced by the operand.
 
+use super::inverse::{inverse, only};
 use super::{Program, Scratch, Step};
 use crate::data::Data;
 use crate::interval::Interval;
@@ -56,27 +57,25 @@ impl Program {
                 continue;
             }
             let range = |step: u32| s[step as usize].range;
-            let number_of = |step: u32| {
-                let r = range(step);
-                (r.lo == r.hi && !r.nan).then_some(r.lo)
-            };
             match self.steps[number as usize] {
-                Step::Unary(..) if slot.range.nan => {
+                Step::Binary(
+                    op @ (BinaryOpcode::Max | BinaryOpcode::Min),
+                    a,
+                    b,
+                ) => {
+                    for (one, other) in [(a, b), (b, a)] {
+                        let other = range(other);
+                        let passes = match op {
+                            BinaryOpcode::Max => other.lo <= level,
+                            _ => other.hi >= level,
+                        };
+                        if passes || other.nan {
+                            todo.push((one, level));
+                        }
+                    }
+                }
+                _ if slot.range.nan => {
                     found.push(self.unknown(number, level));
-                }
-                Step::Binary(BinaryOpcode::Max, a, b) => {
-                    for (one, other) in [(a, b), (b, a)] {
-                        if range(other).lo <= level || range(other).nan {
-                            todo.push((one, level));
-                        }
-                    }
-                }
-                Step::Binary(BinaryOpcode::Min, a, b) => {
-                    for (one, other) in [(a, b), (b, a)] {
-                        if range(other).hi >= level || range(other).nan {
-                            todo.push((one, level));
-                        }
-                    }
                 }
                 Step::Unary(UnaryOpcode::Neg, a) => todo.push((a, -level)),
                 Step::Unary(UnaryOpcode::Abs, a) => {
@@ -95,14 +94,11 @@ impl Program {
                     }
                 }
                 Step::Binary(op, a, b)
-                    if !slot.range.nan
-                        && let Some(next) =
-                            shifted(op, a, b, level, [a, b].map(number_of)) =>
+                    if let Some((operand, of)) =
+                        inverse(op, [a, b].map(range).map(only))
+                        && of(level).is_finite() =>
                 {
-                    todo.push(next);
-                }
-                _ if slot.range.nan => {
-                    found.push(self.unknown(number, level));
+                    todo.push(([a, b][operand], of(level)));
                 }
                 _ => found.push(Surface {
                     step: number,
@@ -177,26 +173,4 @@ impl Program {
         let of = scratch.values.get(surface.step as usize).copied();
         [f, of.unwrap_or(f64::NAN) - surface.level]
     }
-}
-
-/// The operand of a sum, product or quotient with a constant, and the operand's
-/// value where the result has that `level`.
-fn shifted(
-    op: BinaryOpcode,
-    a: u32,
-    b: u32,
-    level: f64,
-    constants: [Option<f64>; 2],
-) -> Option<(u32, f64)> {
-    let (step, at) = match (op, constants) {
-        (BinaryOpcode::Add, [_, Some(c)]) => (a, level - c),
-        (BinaryOpcode::Add, [Some(c), _]) => (b, level - c),
-        (BinaryOpcode::Sub, [_, Some(c)]) => (a, level + c),
-        (BinaryOpcode::Sub, [Some(c), _]) => (b, c - level),
-        (BinaryOpcode::Mul, [_, Some(c)]) if c != 0.0 => (a, level / c),
-        (BinaryOpcode::Mul, [Some(c), _]) if c != 0.0 => (b, level / c),
-        (BinaryOpcode::Div, [_, Some(c)]) if c != 0.0 => (a, level * c),
-        _ => return None,
-    };
-    at.is_finite().then_some((step, at))
 }

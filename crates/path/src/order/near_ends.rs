@@ -6,6 +6,7 @@
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
+use isoslice_planar::shelves::Shelves;
 
 /// Points by the cells that they are in.
 pub(super) struct NearEnds {
@@ -14,10 +15,8 @@ pub(super) struct NearEnds {
     cell: Mm,
     columns: usize,
     rows: usize,
-    /// Where each cell's points begin in `members`, and where those of the last
-    /// cell end.
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    /// The numbers of each cell's points.
+    members: Shelves<u32>,
 }
 
 /// Average number of points in a cell.
@@ -41,31 +40,14 @@ impl NearEnds {
             points,
             origin: bounds.min,
             cell,
-            starts: Vec::new(),
-            members: Vec::new(),
+            members: Shelves::new(0, |_| ()),
         };
-        let cells: Vec<usize> = grid
-            .points
-            .iter()
-            .map(|&p| {
+        grid.members = Shelves::new(grid.columns * grid.rows, |put| {
+            for (&p, i) in grid.points.iter().zip(0..) {
                 let (column, row) = grid.place(p);
-                row * grid.columns + column
-            })
-            .collect();
-        let mut starts = vec![0; grid.columns * grid.rows + 1];
-        for &c in &cells {
-            starts[c + 1] += 1;
-        }
-        for c in 1..starts.len() {
-            starts[c] += starts[c - 1];
-        }
-        let mut next = starts.clone();
-        grid.members = vec![0; cells.len()];
-        for (i, &c) in cells.iter().enumerate() {
-            grid.members[next[c] as usize] = i as u32;
-            next[c] += 1;
-        }
-        grid.starts = starts;
+                put(row * grid.columns + column, i);
+            }
+        });
         grid
     }
 
@@ -130,8 +112,7 @@ impl NearEnds {
         found: &mut Vec<(f64, u32)>,
     ) {
         let cell = row * self.columns + column;
-        let (from, to) = (self.starts[cell], self.starts[cell + 1]);
-        for &m in &self.members[from as usize..to as usize] {
+        for &m in self.members.at(cell) {
             let d = self.points[m as usize].distance_squared(p);
             let worst = if found.len() == count {
                 found.last().map_or(limit, |f| f.0)

@@ -17,6 +17,7 @@ mod segment;
 
 pub use isocontour::plane::nearest_on;
 
+use super::shelves::Shelves;
 use super::{Area, Rect, Ring};
 use glam::DVec2;
 use isoslice_base::units::Mm;
@@ -44,9 +45,8 @@ pub struct EdgeGrid {
     per_cell: f64,
     columns: usize,
     rows: usize,
-    /// Where each cell's edges begin in `members`; one more than cells.
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    /// The numbers of each cell's edges.
+    members: Shelves<u32>,
     /// For each cell whether a place in it is inside, once that was asked for.
     insides: OnceLock<Vec<bool>>,
 }
@@ -142,34 +142,16 @@ impl EdgeGrid {
             per_cell: 1.0 / cell,
             columns,
             rows,
-            starts: Vec::new(),
-            members: Vec::new(),
+            members: Shelves::new(0, |_| ()),
             insides: OnceLock::new(),
         };
-        // Count, sum up, then fill from the back of each cell's share.
-        let mut starts = vec![0; columns * rows + 1];
-        grid.walk_all(|c, _| starts[c + 1] += 1);
-        for i in 1..starts.len() {
-            starts[i] += starts[i - 1];
-        }
-        let total = starts.last().copied().unwrap_or(0);
-        let mut members = vec![0; total as usize];
-        let mut next = starts.clone();
-        grid.walk_all(|c, i| {
-            members[next[c] as usize] = i;
-            next[c] += 1;
+        grid.members = Shelves::new(columns * rows, |put| {
+            for i in grid.edges() {
+                let (a, b) = grid.edge(i);
+                grid.walk(a, b, |cell| put(cell, i as u32));
+            }
         });
-        grid.starts = starts;
-        grid.members = members;
         grid
-    }
-
-    /// The cells of all edges, with the edges' numbers.
-    fn walk_all(&self, mut visit: impl FnMut(usize, u32)) {
-        for i in self.edges() {
-            let (a, b) = self.edge(i);
-            self.walk(a, b, |c| visit(c, i as u32));
-        }
     }
 
     /// The numbers of all edges.
@@ -247,10 +229,10 @@ impl EdgeGrid {
         }
     }
 
-    /// The cell's edges.
-    fn members(&self, cell: usize) -> &[u32] {
-        let (from, to) = (self.starts[cell], self.starts[cell + 1]);
-        &self.members[from as usize..to as usize]
+    /// The edges of a row's cells between two columns.
+    fn of_row(&self, row: usize, columns: [usize; 2]) -> &[u32] {
+        let [from, to] = columns.map(|column| row * self.columns + column);
+        self.members.over(from..=to)
     }
 
     /// True if the point is inside the area (even–odd rule; points on the
@@ -272,7 +254,7 @@ impl EdgeGrid {
                 && is_left(begin, p, a) != is_left(begin, p, b)
                 && is_left(a, b, begin) != is_left(a, b, p)
         };
-        let crossed = self.members(cell).iter().filter(crossed).count();
+        let crossed = self.members.at(cell).iter().filter(crossed).count();
         let insides = self.insides.get_or_init(|| self.find_insides());
         insides[cell] ^ (crossed % 2 == 1)
     }
@@ -330,7 +312,7 @@ impl EdgeGrid {
             return found;
         }
         self.walk(a, b, |cell| {
-            for &m in self.members(cell) {
+            for &m in self.members.at(cell) {
                 let (c, d) = self.edge(m as usize);
                 found.extend(crossing(a, b, c, d));
             }
@@ -364,7 +346,7 @@ impl EdgeGrid {
             return;
         }
         self.walk(a, b, |cell| {
-            for &m in self.members(cell) {
+            for &m in self.members.at(cell) {
                 let (c, d) = self.edge(m as usize);
                 let (c_left, d_left) = (is_left(a, b, c), is_left(a, b, d));
                 if c_left == d_left || is_left(c, d, a) == is_left(c, d, b) {

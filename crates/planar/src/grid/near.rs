@@ -62,9 +62,7 @@ impl EdgeGrid {
         };
         for row in first..=last {
             let (c0, c1) = if long { columns(row) } else { all };
-            let from = self.starts[row * self.columns + c0] as usize;
-            let to = self.starts[row * self.columns + c1 + 1] as usize;
-            for &m in &self.members[from..to] {
+            for &m in self.of_row(row, [c0, c1]) {
                 let (c, d) = self.edge(m as usize);
                 if box_meets(c, d, lo, hi)
                     && closer(a, b, c, d, limit)
@@ -120,11 +118,9 @@ impl EdgeGrid {
         if self.members.is_empty() {
             return false;
         }
-        let (c0, c1) = (self.column(lo.x), self.column(hi.x));
+        let columns = [lo.x, hi.x].map(|x| self.column(x));
         for row in self.row(lo.y)..=self.row(hi.y) {
-            let from = self.starts[row * self.columns + c0] as usize;
-            let to = self.starts[row * self.columns + c1 + 1] as usize;
-            for &m in &self.members[from..to] {
+            for &m in self.of_row(row, columns) {
                 let (c, d) = self.edge(m as usize);
                 if box_meets(c, d, lo, hi) && test(m as usize) {
                     return true;

@@ -136,11 +136,8 @@ impl Nearest {
             return false;
         }
         let half = left.sqrt();
-        let first = row * grid.columns;
-        let from = grid.starts[first + grid.column(self.p.x - half)];
-        let to = grid.starts[first + grid.column(self.p.x + half) + 1];
-        let (from, to) = (from as usize, to as usize);
-        for &edge in &grid.members[from..to] {
+        let ends = [self.p.x - half, self.p.x + half];
+        for &edge in grid.of_row(row, ends.map(|x| grid.column(x))) {
             self.ask(grid, edge);
         }
         true

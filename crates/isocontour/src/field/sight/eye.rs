@@ -3,15 +3,13 @@
 
 use super::spans::{crossings, hits};
 use super::{Grid, Hit, Sight};
+use crate::field::FieldError;
 use crate::field::boxes::Boxes;
 use crate::field::calls::Calls;
-use crate::field::expr::Expr;
+use crate::field::expr::{Expr, Simplifier};
 use crate::field::lanes::{Lanes, Seed, Slopes};
 use crate::field::source::Source;
-use crate::field::{FieldError, bug};
 use crate::interval::Interval;
-use fidget::eval::Function;
-use fidget::vm::VmFunction;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -46,9 +44,7 @@ pub(super) struct Eye<'a> {
     calls: Calls<'a>,
     ranges: Boxes,
     lanes: Lanes,
-    simplify: <VmFunction as Function>::Workspace,
-    /// Memory of functions that are no longer needed, for the next ones.
-    storage: Vec<<VmFunction as Function>::Storage>,
+    simplifier: Simplifier,
     points: [Vec<f32>; 3],
     values: Vec<f32>,
     slopes: [Vec<[f32; 3]>; 2],
@@ -67,8 +63,7 @@ impl<'a> Eye<'a> {
             calls: Calls::new(&sight.calls),
             ranges: Boxes::default(),
             lanes: Lanes::default(),
-            simplify: Default::default(),
-            storage: Vec::new(),
+            simplifier: Simplifier::default(),
             points: Default::default(),
             values: Vec::new(),
             slopes: Default::default(),
@@ -175,14 +170,8 @@ impl<'a> Eye<'a> {
             Source::Call(c) => calls.range(c, 0),
         };
         let (_, trace) = self.ranges.range(&f.f, &input);
-        let own = match trace {
-            Some(trace) => {
-                let storage = self.storage.pop().unwrap_or_default();
-                let simpler = f.f.simplify(trace, storage, &mut self.simplify);
-                Some(Expr::new(simpler.map_err(bug)?))
-            }
-            None => None,
-        };
+        let own = trace.map(|trace| self.simplifier.simpler(f, trace));
+        let own = own.transpose()?;
         let g = own.as_ref().unwrap_or(f);
         let side = if size == TILE { BLOCK } else { BOX };
         let n = size / side;
@@ -204,9 +193,7 @@ impl<'a> Eye<'a> {
             }
             self.arrive(g)?;
         }
-        if let Some(done) = own {
-            self.storage.extend(done.f.recycle());
-        }
+        self.simplifier.recycle(own);
         Ok(())
     }
 

@@ -33,15 +33,13 @@ pub(super) fn crossings(solid: &Solid, lines: &Grid) -> Option<Vec<Crossing>> {
             .collect(),
         Solid::Constant(false) => Vec::new(),
         Solid::Constant(true) => (0..count(lines)).map(always).collect(),
-        Solid::Union(both) => {
+        Solid::Union(both) | Solid::Common(both) => {
             let [a, b] = &**both;
             let [a, b] = [crossings(a, lines)?, crossings(b, lines)?];
-            joined(&a, &b, |a, b| a || b)
-        }
-        Solid::Common(both) => {
-            let [a, b] = &**both;
-            let [a, b] = [crossings(a, lines)?, crossings(b, lines)?];
-            joined(&a, &b, |a, b| a && b)
+            match solid {
+                Solid::Union(_) => joined(&a, &b, |a, b| a || b),
+                _ => joined(&a, &b, |a, b| a && b),
+            }
         }
         Solid::Outside(of) => {
             let all: Vec<_> = (0..count(lines)).map(always).collect();
