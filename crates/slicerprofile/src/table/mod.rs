@@ -283,7 +283,7 @@ mod tests {
         ] {
             let of = |code: &str| settings(slicer, &format!("{key}={code}"));
             assert_eq!(of(";= A1 =\nG28"), "gcode.start=;= A1 =\nG28");
-            assert_eq!(of("G28 ; home, all"), "gcode.start=G28 ; home, all");
+            assert_eq!(of("G28 ;home, all"), "gcode.start=G28 ;home, all");
             assert_eq!(of(""), "");
         }
     }
