@@ -214,6 +214,7 @@ impl<W: Write> Writer<'_, W> {
     ) -> Result<(), WriteError> {
         let moment = Moment {
             number: self.layer + 1,
+            bottom: layer.span.bottom,
             z: layer.span.top,
             height: layer.span.height(),
         };
@@ -233,6 +234,10 @@ impl<W: Write> Writer<'_, W> {
         self.filament.zero = None;
         if scan::may_move(&lines) {
             self.z = None;
+            // Another part begins somewhere else, beside parts that are higher.
+            if layer.before > 0 && layer.span.index == 0 {
+                self.xy = None;
+            }
             self.go_back()?;
         }
         Ok(())

@@ -310,6 +310,7 @@ impl<'a, W: Write> Writer<'a, W> {
         let templates = Templates::new(&plan, header)?;
         let start = templates.start()?;
         let whole = header.layers == (0..header.layer_count);
+        let [_, _, layer] = plan.templates;
         let waiting = if whole && plan.tells_progress {
             Some(Waiting::new(plan.flavour)?)
         } else {
@@ -324,7 +325,7 @@ impl<'a, W: Write> Writer<'a, W> {
             waiting,
             record: Record::new(&plan, header),
             warnings: Vec::new(),
-            pauses: whole.then(|| Pauses::of(plan.templates[2])),
+            pauses: whole.then(|| Pauses::of(layer, plan.flavour)),
             buffer: Vec::with_capacity(2 * FULL),
             totals: Totals::default(),
             extra: 0.0,

@@ -37,6 +37,9 @@ pub(crate) enum Scope {
 pub(super) struct Moment {
     /// The layer's number, from 1.
     pub number: usize,
+    /// Height of the layer's bottom above the bed, which is the top of the layer
+    /// below.
+    pub bottom: Mm,
     /// Height of the layer's top above the bed.
     pub z: Mm,
     /// The layer's thickness.
@@ -49,6 +52,7 @@ impl Moment {
         let [height, _] = plan.layer_heights;
         Moment {
             number: 1,
+            bottom: 0.0,
             z: height,
             height,
         }
@@ -139,7 +143,7 @@ pub(crate) const PLACEHOLDERS: &[Placeholder] = placeholders![
     Layer "layer_z", "height of the layer's top above the bed, mm",
         |k| length(k.moment.z);
     Layer "layer_bottom", "height of the layer's bottom above the bed, mm",
-        |k| length(k.moment.z - k.moment.height);
+        |k| length(k.moment.bottom);
     Layer "layer_thickness", "thickness of this layer, mm",
         |k| length(k.moment.height);
     End "print_time", "estimated time, without heating and homing: 1h 2m 3s",

@@ -313,7 +313,8 @@ table::settings! {
             idle no_supports;
         /// What supports look like below their dense tops.
         style: SupportStyle = SupportStyle::Auto, idle no_supports;
-        /// Distance between supports and the part beside them.
+        /// Distance between supports and the part beside them; below a slope no
+        /// more than there is room.
         xy_gap: Mm = 0.35, in 0.0..=10.0, idle no_supports;
         /// Gap between a support and the underside above it, whatever the
         /// layer height: supports have heights of their own.
@@ -606,7 +607,8 @@ table::settings! {
         /// is 170, below which most firmware refuses to.
         min_nozzle_temperature: Option<Celsius> = None, in 0.0..=600.0;
         /// Temperature of the nozzle on the first layer; auto is 5 °C more than
-        /// nozzle_temperature, or 215 °C if that is an expression.
+        /// nozzle_temperature, as far as printer.max_nozzle_temperature allows, or
+        /// 215 °C if that is an expression.
         first_layer_nozzle_temperature: Option<Celsius> = None,
             in 1.0..=600.0;
         /// Temperature of the bed above the first layer; 0 for no heating.

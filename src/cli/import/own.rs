@@ -17,14 +17,15 @@ pub(super) const MAKER: &str = "isoslice";
 /// What a file of isoslice's own has.
 pub(super) enum Own {
     /// The settings that differ from the defaults, and whether the file is a profile: it
-    /// describes itself.
+    /// describes itself, or goes on from another one.
     Given(Translation, bool),
     /// None of them: an older version wrote the file, or one without comments.
     Nothing,
 }
 
-/// The key of a profile that is no setting.
+/// The keys of a profile that are no settings.
 const DESCRIPTION: &str = "description";
+const INHERITS: &str = "inherits";
 
 /// What a file has, if it is one of isoslice's own.
 ///
@@ -42,8 +43,9 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Option<Own>> {
             Builder::new().toml(&name, &text)?;
             bail!("{name} is no settings file");
         };
-        let describes = table.contains_key(DESCRIPTION);
-        return Ok(Some(Own::Given(translation(table), describes)));
+        let is_profile = [DESCRIPTION, INHERITS].map(|k| table.contains_key(k));
+        let is_profile = is_profile.contains(&true);
+        return Ok(Some(Own::Given(translation(table), is_profile)));
     }
     if !["gcode", "gco", "g"].contains(&&*ending) {
         return Ok(None);
@@ -101,7 +103,7 @@ fn translation(table: toml::Table) -> Translation {
 
 /// Why a key of a file has no counterpart, or what to write instead.
 fn why_lost(key: &str) -> String {
-    if key == "inherits" {
+    if key == INHERITS {
         return "write it into the new profile, too".to_owned();
     }
     if let Some(known) = keys().iter().find(|known| known.name == key) {

@@ -313,9 +313,11 @@ fn walls_of(
     j: usize,
     plan: &SupportPlan,
 ) -> Option<(Area, Mm)> {
-    /// A side hangs over if it leans by at most so much less than what needs supports,
-    /// degrees.
+    /// A side hangs over if it leans by at most so much less than what needs supports.
+    /// The less it is, the farther down one has to look for how much a side leans.
     const LESS: Degrees = 10.0;
+    /// Farthest down that is looked at, mm.
+    const DEEPEST: Mm = 1.5;
     let spans = parts.spans();
     let span = spans.get(j)?;
     let steepest = plan.overhangs.angle.to_radians().tan();
@@ -326,12 +328,21 @@ fn walls_of(
     }
     let hangs = (plan.overhangs.angle - LESS).max(0.0).to_radians().tan();
     // So far down, such a side has receded by what the distances differ.
-    let depth = (plan.xy_gap - near) / (steepest - hangs).max(0.01);
+    let depth = (plan.xy_gap - near) / (steepest - hangs).max(f64::EPSILON);
+    let depth = depth.min(DEEPEST);
     let lower = spans[..j].partition_point(|s| s.top <= span.top - depth);
     let lower = lower.saturating_sub(1);
     let recedes = hangs * (span.top - spans[lower].top);
     let below = offset(&parts.sections[lower], recedes, TOLERANCE);
-    Some((intersection(&parts.sections[j], &below), near))
+    let section = &parts.sections[j];
+    let mut walls = intersection(section, &below);
+    // Nothing tells how the sides lean of what has begun in between.
+    let new = section
+        .islands()
+        .into_iter()
+        .filter(|island| intersection(island, &below).is_empty());
+    walls.rings.extend(new.flat_map(|island| island.rings));
+    Some((walls, near))
 }
 
 /// Where layer `j` has no place for the middle of a branch: in the part, and too

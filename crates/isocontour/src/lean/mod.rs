@@ -46,8 +46,8 @@ use crate::{Bounds, Length};
 use facets::{Facets, Parts};
 use fidget::context::Tree;
 use slopes::{Known, known};
-use std::cmp::Reverse;
-use std::collections::BTreeMap;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 use std::rc::Rc;
 
 /// How a surface's lean is looked for.
@@ -220,12 +220,30 @@ struct Open {
     /// that is not known yet.
     has_faces: bool,
     axis: usize,
+    number: u64,
 }
 
-/// Cells by the bits of how level they are, which are in order above 0, and by their
-/// numbers. The last one is cut first: the most level one, and of equally level ones
-/// the oldest.
-type Todo = BTreeMap<(u64, Reverse<u64>), Open>;
+impl Ord for Open {
+    /// The most level cell comes first, and of equally level ones the oldest.
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_level = self.most.total_cmp(&other.most);
+        by_level.then(other.number.cmp(&self.number))
+    }
+}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
 
 impl Open {
     /// Bound of |n_z| if nothing more is found.
@@ -269,11 +287,11 @@ impl Search<'_> {
         most: u64,
         cancel: &Cancel,
     ) -> Result<(), Cancelled> {
-        let mut todo = Todo::new();
+        let mut todo = BinaryHeap::new();
         let mut number = 0;
         let parts: Parts = Rc::new([]);
         self.look(whole, program, &parts, number, &mut todo);
-        while let Some((_, open)) = todo.pop_last() {
+        while let Some(open) = todo.pop() {
             if number.is_multiple_of(256) {
                 cancel.check()?;
             }
@@ -303,7 +321,7 @@ impl Search<'_> {
         program: &Rc<Program>,
         parts: &Parts,
         number: u64,
-        todo: &mut Todo,
+        todo: &mut BinaryHeap<Open>,
     ) {
         let seen = Cell {
             lo: cell.lo.map(|v| v - self.margin),
@@ -348,7 +366,7 @@ impl Search<'_> {
             self.doubts.push(([cell.lo[2], cell.hi[2]], worst));
             return;
         };
-        let open = Open {
+        todo.push(Open {
             cell,
             parts: if facets.parts.is_empty() {
                 parts.clone()
@@ -359,8 +377,8 @@ impl Search<'_> {
             most: known.most,
             has_faces,
             axis,
-        };
-        todo.insert((known.most.to_bits(), Reverse(number)), open);
+            number,
+        });
     }
 
     /// Notes what is known of a cell, and returns true if that suffices.

@@ -357,7 +357,8 @@ impl Beadings {
             if let Some(c) = self.beadings.get(*number) {
                 let most = c.range.1.max(c.short.1);
                 // The bead of a web is as narrow as a bead may be.
-                let least = if *number == 1 { c.range.0 } else { 0.0 };
+                let web = *number == 1 && self.of_webs().is_some();
+                let least = if web { c.range.0 } else { 0.0 };
                 let fits = |t: &mut Mm| *t = t.max(least).min(most);
                 part.thickness.iter_mut().for_each(fits);
             }

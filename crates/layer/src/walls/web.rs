@@ -135,9 +135,14 @@ pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) {
         {
             continue;
         }
-        let back = if axis.closed { 0 } else { first };
+        // Around a closed axis, what is bare on both sides may go on beyond its ends.
+        let (back, on) = if axis.closed {
+            (begin + 1 - n.min(begin + 1), end + n)
+        } else {
+            (first, stop)
+        };
         let before = (back..begin).rev().take_while(bare).last();
-        let after = (end..stop).take_while(bare).last();
+        let after = (end..on).take_while(bare).last();
         let whole = before.unwrap_or(begin)..=after.unwrap_or(end - 1);
         whole.for_each(|k| numbers[k % n] = 1);
     }
@@ -145,8 +150,8 @@ pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::walls::{WallPlan, walls};
-    use glam::DVec2;
     use isoslice_planar::Area;
     use isoslice_planar::bead::Stroke;
     use isoslice_planar::clip::union;
@@ -216,6 +221,41 @@ mod tests {
                     assert_eq!(pieces(&whole), 1, "{thickness} {length}");
                 }
             }
+        }
+    }
+
+    /// A ring with one web, and a thicker place without a bead on both sides of it.
+    #[test]
+    fn a_web_of_a_ring_gets_its_bead_wherever_the_ring_begins() {
+        const N: usize = 40;
+        let at = |k: usize| {
+            let turn = std::f64::consts::TAU * k as f64 / N as f64;
+            2.0 * DVec2::from_angle(turn)
+        };
+        let thickness = |k: usize| match k % N {
+            18..=21 => 0.16,
+            15..=24 => 0.3,
+            _ => 0.5,
+        };
+        let number = |k: usize| usize::from(!(16..23).contains(&(k % N)));
+        for first in 0..N {
+            let all = || first..first + N;
+            let axis = Axis {
+                points: all().map(at).collect(),
+                thickness: all().map(thickness).collect(),
+                closed: true,
+            };
+            let mut numbers: Vec<usize> = all().map(number).collect();
+            lay(&axis, 0.27, &mut numbers);
+            assert_eq!(numbers, vec![1; N], "{first}");
+            // What is as thin all around is no web.
+            let thin = Axis {
+                thickness: vec![0.16; N],
+                ..axis
+            };
+            let mut none = vec![0; N];
+            lay(&thin, 0.27, &mut none);
+            assert_eq!(none, vec![0; N]);
         }
     }
 

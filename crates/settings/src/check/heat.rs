@@ -38,11 +38,11 @@ pub(super) fn temperatures(s: &Settings) -> Result<(), Conflict> {
         limit: s.max_bed_temperature(),
         part: "bed",
     };
-    let first = filament.first_layer_nozzle_temperature;
-    let first = first.map(|t| nozzle(FIRST_NOZZLE, t));
     let above = filament.nozzle_temperature.constant();
     let above = above.map(|t| nozzle("filament.nozzle_temperature", t));
-    for set in first.iter().chain(&above) {
+    // What is auto follows from the temperature above, if that is known.
+    let first = nozzle(FIRST_NOZZLE, s.first_layer_nozzle_temperature());
+    for set in above.iter().chain([&first]) {
         warm_enough(s, set)?;
         cool_enough(set)?;
     }

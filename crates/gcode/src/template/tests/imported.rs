@@ -25,6 +25,7 @@ fn templates(start: &str, layer: &str, end: &str) -> Result<String, String> {
     plan.templates = [&begin, &last, &every];
     let moment = crate::placeholders::Moment {
         number: 3,
+        bottom: 0.0,
         z: 0.6,
         height: 0.2,
     };
