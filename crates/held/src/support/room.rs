@@ -318,11 +318,15 @@ fn walls_of(
     const LESS: Degrees = 10.0;
     /// Farthest down that is looked at, mm.
     const DEEPEST: Mm = 1.5;
+    /// How far down a side has to recede to hang, mm: by more than the tolerances.
+    const AT_ONCE: Mm = 0.2;
+    /// Least distance from what hangs over: beads are not laid more exactly.
+    const NEAREST: Mm = 0.15;
     let spans = parts.spans();
     let span = spans.get(j)?;
     let steepest = plan.overhangs.angle.to_radians().tan();
     let near = (plan.gap_top + 0.5 * span.height()) * steepest;
-    let near = near.max(BESIDE);
+    let near = near.max(NEAREST);
     if near >= plan.xy_gap {
         return None;
     }
@@ -332,17 +336,25 @@ fn walls_of(
     let depth = depth.min(DEEPEST);
     let lower = spans[..j].partition_point(|s| s.top <= span.top - depth);
     let lower = lower.saturating_sub(1);
-    let recedes = hangs * (span.top - spans[lower].top);
-    let below = offset(&parts.sections[lower], recedes, TOLERANCE);
     let section = &parts.sections[j];
-    let mut walls = intersection(section, &below);
-    // Nothing tells how the sides lean of what has begun in between.
-    let new = section
+    let hanging = |lower: usize| {
+        let recedes = hangs * (span.top - spans[lower].top) + TOLERANCE;
+        let below = offset(&parts.sections[lower], recedes, TOLERANCE);
+        difference(section, &below)
+    };
+    // A face that is level farther down leaves upright sides. They do not hang.
+    let at_once = spans[..j].partition_point(|s| s.top <= span.top - AT_ONCE);
+    let at_once = hanging(at_once.saturating_sub(1));
+    if at_once.is_empty() {
+        return None;
+    }
+    let hanging: Vec<Area> = hanging(lower)
         .islands()
         .into_iter()
-        .filter(|island| intersection(island, &below).is_empty());
-    walls.rings.extend(new.flat_map(|island| island.rings));
-    Some((walls, near))
+        .filter(|side| !intersection(side, &at_once).is_empty())
+        .collect();
+    let hanging: Area = hanging.into_iter().collect();
+    Some((difference(section, &hanging), near))
 }
 
 /// Where layer `j` has no place for the middle of a branch: in the part, and too
@@ -408,9 +420,7 @@ mod tests {
         let outlines: Vec<Area> =
             (0..40).map(|j| rect(-5.0, -5.0, side(j), 5.0)).collect();
         let none = vec![Area::EMPTY; 40];
-        for (angle, sideways) in
-            [(20.0, 0.25 * 20.0_f64.to_radians().tan()), (55.0, 0.35)]
-        {
+        for (angle, sideways) in [(20.0, 0.15), (55.0, 0.35)] {
             let plan = plan_with(SupportPlan::of, |s| {
                 s.layer_height = isoslice_settings::ByNozzle::Length(0.1);
                 s.support.angle = angle;

@@ -26,7 +26,7 @@ fn mesh(plan: &InfillPlan) -> Option<Mm2> {
 /// Makes skin of the islands of sparse infill that are smaller than a mesh.
 pub fn fill_small(areas: &mut FillAreas, plan: &InfillPlan) {
     /// An island of that content stays sparse, however wide the meshes are, mm².
-    const MOST: Mm2 = 50.0;
+    const MOST: Mm2 = 20.0;
     let Some(mesh) = mesh(plan) else {
         return;
     };
@@ -118,7 +118,7 @@ mod tests {
     #[test]
     fn islands_smaller_than_a_mesh_become_skin_wherever_lines_are() {
         // Meshes of 3 mm; of 45 mm, which are too large for it.
-        for (density, solid) in [(15.0, 2.9), (1.0, 7.0)] {
+        for (density, solid) in [(15.0, 2.9), (1.0, 4.4)] {
             let plan = plan_with(InfillPlan::of, |s| {
                 s.infill_density = density.into()
             });

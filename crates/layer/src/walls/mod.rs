@@ -283,12 +283,11 @@ impl<'a> Skeleton<'a> {
         let ends = points(self.ends(limit), limit);
         let bends = |part: &Axis| is_bend(part, self.solid.grid(), &ends);
         let webs = beadings.of_webs();
-        let parts = self.axes.iter().flat_map(|r| match webs {
-            Some(webs) => {
-                let axis = web::led_on(r.clone(), self.solid.grid(), webs);
-                beadings.split(&axis, &bends)
-            }
-            None => beadings.split(r, &bends),
+        let parts = self.axes.iter().flat_map(|r| {
+            let web =
+                webs.and_then(|webs| web::led_on(r, self.solid.grid(), webs));
+            let (axis, webs) = (web.as_ref().unwrap_or(r), web.is_some());
+            beadings.split(axis, webs, &bends)
         });
         ThinPlaces(parts.collect())
     }
@@ -837,7 +836,7 @@ mod tests {
             thickness: (0..=60).map(|i| 0.9 + 0.02 * x(i)).collect(),
             closed: false,
         };
-        let places = ThinPlaces(beadings.split(&axis, &|_| false));
+        let places = ThinPlaces(beadings.split(&axis, false, &|_| false));
         let depth = outer.inner;
         let begins = places.beads(3, depth)[0].points[0].x;
         let bead = places.beads(3, depth)[0].thickness[0];

@@ -32,21 +32,27 @@ const STEPS: usize = 20;
 /// By how much the area may become thinner in a step, mm: borders are polygons.
 const SLACK: Mm = 0.005;
 
-/// Leads the ends of an axis on where the axis is too thin for a bead of thickness
-/// `bead` and the area opens, to where it is as thick as `wall`.
+/// An axis that has webs, led on to where the area is thick if it ends in one; nothing if
+/// it has none. Beads are laid from the thickness `bead` on, and walls close at `wall`.
 pub(super) fn led_on(
-    mut axis: Axis,
+    axis: &Axis,
     grid: &EdgeGrid,
     [bead, wall]: [Mm; 2],
-) -> Axis {
-    if axis.closed || axis.points.len() < 2 {
-        return axis;
-    }
+) -> Option<Axis> {
     let is_web = |t: Mm| (LEAST * bead..bead).contains(&t);
+    if !axis.thickness.iter().any(|t| is_web(*t)) {
+        return None;
+    }
+    let mut axis = axis.clone();
+    // An axis that is thin all over is a web only if the area opens at both of its ends.
+    let is_thick = axis.thickness.iter().any(|t| *t >= bead);
+    if axis.closed || axis.points.len() < 2 {
+        return is_thick.then_some(axis);
+    }
     for _ in 0..2 {
         axis.points.reverse();
         axis.thickness.reverse();
-        if !axis.thickness.last().is_some_and(|t| is_web(*t)) {
+        if axis.thickness.last().is_some_and(|t| *t >= bead) {
             continue;
         }
         // Where two lines of balls have met, the last one may lead back.
@@ -56,52 +62,51 @@ pub(super) fn led_on(
             axis.points.pop();
             axis.thickness.pop();
         }
-        let (Some(&end), Some(&t)) =
-            (axis.points.last(), axis.thickness.last())
-        else {
+        let (&end, &t) = axis.points.last().zip(axis.thickness.last())?;
+        if t >= bead {
             continue;
-        };
+        }
         // The last points of an axis lie close together, and a little to the sides.
         let far = |p: &&DVec2| p.distance(end) >= STRAIGHT;
         let before = axis.points.iter().rev().find(far);
-        let along = before.or(axis.points.first()).map(|p| end - *p);
-        let along = along.unwrap_or_default().normalize_or_zero();
-        if is_web(t)
-            && let Some(more) = way_out(end, along, t, wall, grid)
-        {
-            axis.points.extend(more.iter().map(|p| p.0));
-            axis.thickness.extend(more.iter().map(|p| p.1));
+        let along = before.or(axis.points.first()).map(|p| end - *p)?;
+        let along = along.normalize_or_zero();
+        match way_out((end, along, t), [bead, wall], grid) {
+            Some(more) => {
+                axis.points.extend(more.iter().map(|p| p.0));
+                axis.thickness.extend(more.iter().map(|p| p.1));
+            }
+            None if is_thick => {}
+            None => return None,
         }
     }
-    axis
+    Some(axis)
 }
 
-/// The way on from a place of a thickness to where the area is as thick as `wall`, with
-/// the thickness along it; nothing if the area does not open there.
+/// The way on from a place in a direction, to where the area is as thick as `wall`, or as
+/// thick as it gets if that is enough for a bead; nothing if the area does not open there.
 fn way_out(
-    mut at: DVec2,
-    mut along: DVec2,
-    mut thickness: Mm,
-    wall: Mm,
+    (mut at, mut along, mut thickness): (DVec2, DVec2, Mm),
+    [bead, wall]: [Mm; 2],
     grid: &EdgeGrid,
 ) -> Option<Vec<(DVec2, Mm)>> {
-    let mut way = Vec::new();
+    let mut way: Vec<(DVec2, Mm)> = Vec::new();
     for _ in 0..STEPS {
         at += STEP * along;
         let (_, q) = grid.nearest_edge(at, wall)?;
         let t = 2.0 * at.distance(q);
         if t < thickness - SLACK || !grid.contains(at) {
-            return None;
+            break;
         }
         way.push((at, t));
         if t >= wall {
-            return Some(way);
+            break;
         }
         thickness = t;
         // Away from the nearer side, which keeps the way in the middle.
         along = (along + (at - q).normalize_or_zero()).normalize_or_zero();
     }
-    None
+    (thickness.max(way.last()?.1) >= bead).then_some(way)
 }
 
 /// Gives one bead to the webs of an axis: to what is thinner than a bead of thickness
