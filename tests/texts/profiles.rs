@@ -285,7 +285,7 @@ fn all_combinations_print_except_what_a_hot_end_cannot_melt() {
         let printer = ["ender-3", "ender-3-v2"][i / 4];
         let nozzle = ["", "-0.25-nozzle", "-0.6-nozzle", "-0.8-nozzle"][i % 4];
         let expected = format!(
-            "{printer}{nozzle} pc filament.first_layer_nozzle_temperature = 260 °C is \
+            "{printer}{nozzle} pc filament.nozzle_temperature = 260 °C is \
              more than printer.max_nozzle_temperature = 255 °C"
         );
         assert!(error.starts_with(&expected), "{error}");

@@ -268,7 +268,13 @@ fn on(
     let grown = grown.map(|gap| offset(&gap, anchor, TOLERANCE));
     let grown: Vec<Area> = grown.collect();
     let (mut parts, skin) = shared(&free, &grown);
-    let ground = Ground::new(over, under, FARTHEST * way + width, plan);
+    // Lines end where strips do, or beyond them, but not within.
+    let outside = without(over.sparse, &strips);
+    let beside = Over {
+        sparse: &outside,
+        ..over
+    };
+    let ground = Ground::new(beside, under, FARTHEST * way + width, plan);
     let space = spacing(width, width, height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
@@ -328,7 +334,7 @@ fn on(
     let lines = lines_of(&patches);
     let area = covered(&lines, angle, 0.5 * space + TOLERANCE);
     // What the lines have taken of the sparse area has no infill, either.
-    let sparse = without(&difference(over.sparse, &taken), &strips);
+    let sparse = difference(&outside, &taken);
     let meant = parts.into_iter().flat_map(|part| part.rings);
     let meant = unite(&meant.chain(taken.rings).collect());
     let left = difference(&meant, &area);
@@ -336,16 +342,13 @@ fn on(
     let (held, left) = if on_bridges {
         (left, Area::EMPTY)
     } else {
-        // What lies beside skin that stays goes with it. A place without a line that
-        // lines through a strip have joined to others stays skin, as if it were alone.
+        // What lies beside skin that stays goes with it.
         let beside = offset(&kept, width, TOLERANCE);
-        let beside = union(&beside, &offset(&strips, width, TOLERANCE));
         let (held, left): (Vec<Area>, Vec<Area>) = left
             .islands()
             .into_iter()
             .partition(|left| !intersection(left, &beside).is_empty());
-        let held: Area = held.into_iter().collect();
-        (without(&held, &strips), left.into_iter().collect())
+        (held.into_iter().collect(), left.into_iter().collect())
     };
     let skin = [kept, held].iter().fold(skin, |skin, more| {
         if more.is_empty() {
