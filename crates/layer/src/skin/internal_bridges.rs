@@ -58,10 +58,6 @@ const FARTHEST: f64 = 1.5;
 /// Directions of the infill's lines that are tried.
 const DIRECTIONS: usize = 4;
 
-/// Greatest width of a strip of sparse area between two bridges through which their
-/// lines run, mm.
-const STRIP: Mm = 10.0;
-
 /// Number of lines looked at for each direction.
 const ROWS: f64 = 64.0;
 
@@ -254,27 +250,12 @@ fn on(
     let free = without(over.skin, &kept);
     let gaps = intersection(&offset(&core, width, TOLERANCE), &hanging);
     let (way, angle) = direction(under, width)?;
-    // Lines from both sides of a strip of sparse area that is narrower than their ways
-    // would meet in it, or both end before it. They run through it instead.
-    let between = closed(&gaps, 0.5 * way.min(STRIP), TOLERANCE);
-    let strips = intersection(&between, over.sparse);
-    let (free, gaps) = if strips.is_empty() {
-        (free, gaps)
-    } else {
-        (union(&free, &strips), union(&gaps, &strips))
-    };
     let anchor = plan.anchor.max(0.5 * width);
     let grown = gaps.islands().into_iter();
     let grown = grown.map(|gap| offset(&gap, anchor, TOLERANCE));
     let grown: Vec<Area> = grown.collect();
     let (mut parts, skin) = shared(&free, &grown);
-    // Lines end where strips do, or beyond them, but not within.
-    let outside = without(over.sparse, &strips);
-    let beside = Over {
-        sparse: &outside,
-        ..over
-    };
-    let ground = Ground::new(beside, under, FARTHEST * way + width, plan);
+    let ground = Ground::new(over, under, FARTHEST * way + width, plan);
     let space = spacing(width, width, height);
     let mut taken = Area::EMPTY;
     let mut patches = Vec::new();
@@ -334,7 +315,7 @@ fn on(
     let lines = lines_of(&patches);
     let area = covered(&lines, angle, 0.5 * space + TOLERANCE);
     // What the lines have taken of the sparse area has no infill, either.
-    let sparse = difference(&outside, &taken);
+    let sparse = difference(over.sparse, &taken);
     let meant = parts.into_iter().flat_map(|part| part.rings);
     let meant = unite(&meant.chain(taken.rings).collect());
     let left = difference(&meant, &area);
@@ -635,50 +616,6 @@ mod tests {
             }
             None => (skin.content(), 0),
         }
-    }
-
-    /// Under a rib that stands on a face, for instance.
-    #[test]
-    fn lines_run_through_a_narrow_strip_between_two_bridges() {
-        let places =
-            [rect(-20.0, -8.0, 20.0, -0.7), rect(-20.0, 0.7, 20.0, 8.0)];
-        let all = Area::from_iter([rect(-30.0, -30.0, 30.0, 30.0)]);
-        let skin: Area = places.into_iter().collect();
-        let sparse = difference(&all, &skin);
-        let solid = Solid::new(all);
-        // Infill at 45°, 3 mm apart: some lines cross it within the strip.
-        let lines = (-20..20).map(|k| {
-            let x = 3.0 * std::f64::consts::SQRT_2 * f64::from(k);
-            [DVec2::new(x - 30.0, -30.0), DVec2::new(x + 30.0, 30.0)]
-        });
-        let lines = EdgeGrid::of_lines(lines, CELL);
-        let over = Over {
-            skin: &skin,
-            sparse: &sparse,
-            walls: &[],
-            view: &LayerView::of(1, &solid, &[&solid], &[&solid]),
-        };
-        let under = Under {
-            area: &solid,
-            lines: &lines,
-            shell: &[],
-        };
-        let found = bridged(over, under, &[], &usual_plan(SkinPlan::of));
-        let found = found.unwrap();
-        let lines: Vec<(DVec2, DVec2)> = lines_of(&found.patches)
-            .iter()
-            .flat_map(|line| {
-                line.windows(2).map(|p| (p[0], p[1])).collect::<Vec<_>>()
-            })
-            .filter(|(a, b)| a.distance(*b) > 1.0)
-            .collect();
-        // No line ends in the strip, but at its borders none does either.
-        let ends = lines.iter().flat_map(|(a, b)| [a, b]);
-        let inside = ends.filter(|p| p.y.abs() < 0.6 && p.x.abs() < 18.0);
-        assert_eq!(inside.count(), 0);
-        let through = lines.iter().filter(|(a, b)| a.y * b.y < 0.0);
-        assert!(through.count() > 50);
-        assert!(found.left.is_empty(), "{:?}", found.left);
     }
 
     #[test]
