@@ -247,6 +247,11 @@ impl Beadings {
         self.with_borders()
     }
 
+    /// The number of beads from which on a place is too thick to matter.
+    fn few(&self) -> usize {
+        self.shared.map_or(self.beadings.len(), |n| n + 1)
+    }
+
     /// The greatest thickness that matters. A bulge that is thicker is left out:
     /// to look farther around costs more than it gains.
     pub(super) fn limit(&self) -> Mm {
@@ -331,15 +336,28 @@ impl Beadings {
         }
     }
 
+    /// Does what [`Beadings::split`] does for an axis that may have webs ([`web`]);
+    /// nothing if it has none.
+    pub(super) fn split_at_webs(
+        &self,
+        axis: &Axis,
+        bends: Bends<'_>,
+    ) -> Option<Vec<(usize, Axis)>> {
+        let [bead, _] = self.of_webs()?;
+        let axis = axis.refined(&self.bounds);
+        let mut numbers = self.numbers(&axis, bends);
+        web::lay(&axis, bead, &mut numbers)
+            .then(|| self.parts(&axis, &numbers, true))
+    }
+
     /// The parts of an axis and their numbers of beads, without those that are
-    /// too thick to have one. `webs` is true if the axis has webs ([`web`]).
+    /// too thick to have one.
     pub(super) fn split(
         &self,
         axis: &Axis,
-        webs: bool,
         bends: Bends<'_>,
     ) -> Vec<(usize, Axis)> {
-        let few = self.shared.map_or(self.beadings.len(), |n| n + 1);
+        let few = self.few();
         let (thin, thick) = (axis.thinnest(), axis.thickest());
         let (low, high) = (self.number(thin), self.number(thick));
         if low == high
@@ -352,11 +370,20 @@ impl Beadings {
             return whole.into_iter().collect();
         }
         let axis = axis.refined(&self.bounds);
-        let mut numbers = self.numbers(&axis, bends);
-        if let (true, Some([bead, _])) = (webs, self.of_webs()) {
-            web::lay(&axis, bead, &mut numbers);
-        }
-        let mut parts = axis.parts(&numbers);
+        let numbers = self.numbers(&axis, bends);
+        self.parts(&axis, &numbers, false)
+    }
+
+    /// The parts of an axis with these numbers of beads. `webs` is true if single beads
+    /// may be wider than their place.
+    fn parts(
+        &self,
+        axis: &Axis,
+        numbers: &[usize],
+        webs: bool,
+    ) -> Vec<(usize, Axis)> {
+        let few = self.few();
+        let mut parts = axis.parts(numbers);
         for (number, part) in &mut parts {
             if let Some(c) = self.beadings.get(*number) {
                 let most = c.range.1.max(c.short.1);
@@ -579,7 +606,7 @@ mod tests {
     fn the_thicker_the_more_beads() {
         // Each number of beads goes on for longer than parts have to be.
         let wedge = axis(60.0, |x| 0.05 + x / 28.0);
-        let parts = beadings().split(&wedge, false, &|_| false);
+        let parts = beadings().split(&wedge, &|_| false);
         assert_eq!(numbers(&parts), [0, 1, 2, 3, 4]);
         // One bead from thin_min, 60 %, to thin_max, 180 % of 0.45 mm; it goes on a
         // little into the tip.
@@ -596,7 +623,7 @@ mod tests {
     fn a_thickness_that_wavers_keeps_its_number() {
         let wavers = |middle: f64, by: f64| {
             let t = move |x: f64| middle + by * (2.0 * x).sin();
-            beadings().split(&axis(30.0, t), false, &|_| false)
+            beadings().split(&axis(30.0, t), &|_| false)
         };
         for (middle, by) in [(0.83, 0.1), (1.084, 0.05), (1.65, 0.15)] {
             let parts = wavers(middle, by);
@@ -609,7 +636,7 @@ mod tests {
     #[test]
     fn what_is_long_has_the_number_that_fits_best() {
         let step = |x: f64| if x < 10.0 { 0.7 } else { 0.9 };
-        let parts = beadings().split(&axis(20.0, step), false, &|_| false);
+        let parts = beadings().split(&axis(20.0, step), &|_| false);
         assert_eq!(numbers(&parts), [1, 2]);
     }
 
@@ -621,7 +648,7 @@ mod tests {
                 let share = (2.0 * (x - 10.0) / length).abs();
                 1.3 + (most - 1.3) * (1.0 - share).max(0.0)
             };
-            numbers(&beadings().split(&axis(20.0, t), false, &|_| false))
+            numbers(&beadings().split(&axis(20.0, t), &|_| false))
         };
         // Wider than a bead may be for long, 1.716 mm.
         assert_eq!(bend(1.8, 2.6), [3]);
@@ -631,10 +658,10 @@ mod tests {
         // One bead alone bulges in a bend only.
         let t = |x: f64| 0.6 + 0.4 * (1.0 - (x - 10.0).abs()).max(0.0);
         assert_eq!(
-            numbers(&beadings().split(&axis(20.0, t), false, &|_| false)),
+            numbers(&beadings().split(&axis(20.0, t), &|_| false)),
             [1, 2, 1]
         );
-        let bent = beadings().split(&axis(20.0, t), false, &|_| true);
+        let bent = beadings().split(&axis(20.0, t), &|_| true);
         assert_eq!(numbers(&bent), [1]);
     }
 
@@ -654,7 +681,7 @@ mod tests {
             closed: true,
         };
         for shift in [0, 70, 150, 260] {
-            let parts = beadings().split(&all(shift), false, &|_| false);
+            let parts = beadings().split(&all(shift), &|_| false);
             let by = |number| -> f64 {
                 let own = parts.iter().filter(|p| p.0 == number);
                 own.map(|p| p.1.length()).sum()
@@ -670,7 +697,7 @@ mod tests {
         // From two walls to four, slowly and fast.
         let grows = |length: f64| {
             let t = move |x: f64| 1.0 + 0.8 * (x / length).min(1.0);
-            beadings().split(&axis(40.0, t), false, &|_| false)
+            beadings().split(&axis(40.0, t), &|_| false)
         };
         let fast = grows(3.0);
         assert_eq!(numbers(&fast), [2, 4]);
@@ -701,7 +728,7 @@ mod tests {
                 }
                 let strip = axis(12.0, |_| t);
                 let one = t > outer.least && t <= outer.limit;
-                let found = numbers(&beadings.split(&strip, false, &|_| false));
+                let found = numbers(&beadings.split(&strip, &|_| false));
                 assert_eq!(found == [1], one, "{most} {t}: {found:?}");
             }
         }
@@ -712,7 +739,7 @@ mod tests {
         let tip = |degrees: f64| {
             let slope = 2.0 * (0.5 * degrees).to_radians().tan();
             let wedge = axis(6.0, |x| (slope * x).min(1.0));
-            numbers(&beadings().split(&wedge, false, &|_| false))
+            numbers(&beadings().split(&wedge, &|_| false))
         };
         assert_eq!(tip(70.0), [0, 2]);
         assert_eq!(tip(45.0), [0, 1, 2]);
@@ -721,7 +748,7 @@ mod tests {
             let slope = 2.0 * (0.5 * degrees).to_radians().tan();
             let wedge = axis(6.0, |x| (slope * x).min(1.0));
             let beadings = beadings().with_tips(0.2);
-            let parts = beadings.split(&wedge, false, &|_| false);
+            let parts = beadings.split(&wedge, &|_| false);
             let thinnest =
                 parts.iter().find(|p| p.0 == 2).unwrap().1.thinnest();
             (numbers(&parts), thinnest)
@@ -736,7 +763,7 @@ mod tests {
         }
         // A tooth as thin as a bead has no room for two.
         let tooth = axis(6.0, |x| if x < 1.0 { 0.4 } else { 1.0 });
-        let all = beadings().split(&tooth, false, &|_| false);
+        let all = beadings().split(&tooth, &|_| false);
         assert_eq!(numbers(&all), [1, 2]);
     }
 }

@@ -283,11 +283,12 @@ impl<'a> Skeleton<'a> {
         let ends = points(self.ends(limit), limit);
         let bends = |part: &Axis| is_bend(part, self.solid.grid(), &ends);
         let webs = beadings.of_webs();
+        let at_webs = |axis: &Axis| {
+            let web = web::led_on(axis, self.solid.grid(), webs?)?;
+            beadings.split_at_webs(&web, &bends)
+        };
         let parts = self.axes.iter().flat_map(|r| {
-            let web =
-                webs.and_then(|webs| web::led_on(r, self.solid.grid(), webs));
-            let (axis, webs) = (web.as_ref().unwrap_or(r), web.is_some());
-            beadings.split(axis, webs, &bends)
+            at_webs(r).unwrap_or_else(|| beadings.split(r, &bends))
         });
         ThinPlaces(parts.collect())
     }
@@ -836,7 +837,7 @@ mod tests {
             thickness: (0..=60).map(|i| 0.9 + 0.02 * x(i)).collect(),
             closed: false,
         };
-        let places = ThinPlaces(beadings.split(&axis, false, &|_| false));
+        let places = ThinPlaces(beadings.split(&axis, &|_| false));
         let depth = outer.inner;
         let begins = places.beads(3, depth)[0].points[0].x;
         let bead = places.beads(3, depth)[0].thickness[0];

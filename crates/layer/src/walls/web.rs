@@ -110,8 +110,9 @@ fn way_out(
 }
 
 /// Gives one bead to the webs of an axis: to what is thinner than a bead of thickness
-/// `bead`, between thicker places, and to what has no bead beside it.
-pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) {
+/// `bead`, between thicker places, and to what has no bead beside it. Returns true if there
+/// are any.
+pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) -> bool {
     let segments: Vec<_> = axis.segments().collect();
     let n = numbers.len();
     let thin: Vec<bool> = segments
@@ -120,14 +121,15 @@ pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) {
         .collect();
     // A closed axis is looked at from a thicker place on.
     let Some(first) = thin.iter().position(|t| !t) else {
-        return;
+        return false;
     };
+    let mut laid = false;
     let stop = if axis.closed { first + n } else { n };
     let mut from = first;
     while let Some(begin) = (from..stop).find(|&k| thin[k % n]) {
         let end = (begin..stop).find(|&k| !thin[k % n]);
         let Some(end) = end.or(axis.closed.then_some(stop)) else {
-            return;
+            return laid;
         };
         from = end;
         let web = (begin..end).map(|k| &segments[k % n]);
@@ -136,7 +138,6 @@ pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) {
         let bare = |k: &usize| numbers[k % n] == 0;
         if length > LONGEST
             || least.fold(f64::INFINITY, f64::min) < LEAST * bead
-            || !(begin..end).any(|k| bare(&k))
         {
             continue;
         }
@@ -150,7 +151,9 @@ pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) {
         let after = (end..on).take_while(bare).last();
         let whole = before.unwrap_or(begin)..=after.unwrap_or(end - 1);
         whole.for_each(|k| numbers[k % n] = 1);
+        laid = true;
     }
+    laid
 }
 
 #[cfg(test)]
