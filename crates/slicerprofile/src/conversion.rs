@@ -120,12 +120,12 @@ impl As {
         given: &Given<'_>,
         key: &str,
     ) -> Result<Option<Value>, String> {
-        // G-code is one value, whatever commas and semicolons are in it.
-        if let As::Template = self {
-            let whole = given.values.text(key).filter(|code| !code.is_empty());
-            return Ok(whole.map(Value::from));
-        }
-        let Some(text) = given.values.first(key) else {
+        let text = match self {
+            // G-code is one value, whatever commas and semicolons are in it.
+            As::Template => given.values.text(key).filter(|t| !t.is_empty()),
+            _ => given.values.first(key),
+        };
+        let Some(text) = text else {
             return Ok(None);
         };
         let number = || {

@@ -30,7 +30,10 @@ pub fn fill_small(areas: &mut FillAreas, plan: &InfillPlan) {
     let Some(mesh) = mesh(plan) else {
         return;
     };
-    make_skin(areas, |_, island| island.content() < mesh.min(MOST));
+    let islands = areas.sparse.islands();
+    make_skin(areas, islands, |_, island| {
+        island.content() < mesh.min(MOST)
+    });
 }
 
 /// Makes skin of the islands of sparse infill in which no line of `infill`
@@ -57,12 +60,16 @@ pub fn fill_bare(areas: &mut FillAreas, infill: &[Bead], plan: &InfillPlan) {
             }
         }
     }
-    make_skin(areas, |i, island| !has[i] && is_small(island));
+    make_skin(areas, islands, |i, island| !has[i] && is_small(island));
 }
 
-/// Makes skin of the islands of the sparse area, by their numbers, that are to be.
-fn make_skin(areas: &mut FillAreas, is: impl Fn(usize, &Area) -> bool) {
-    let islands = areas.sparse.islands().into_iter().enumerate();
+/// Makes skin of some of the sparse area's islands, chosen by number and shape.
+fn make_skin(
+    areas: &mut FillAreas,
+    islands: Vec<Area>,
+    is: impl Fn(usize, &Area) -> bool,
+) {
+    let islands = islands.into_iter().enumerate();
     let (solid, rest): (Vec<_>, Vec<_>) =
         islands.partition(|(i, island)| is(*i, island));
     if solid.is_empty() {

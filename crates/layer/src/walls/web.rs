@@ -21,13 +21,15 @@ use isoslice_planar::grid::EdgeGrid;
 /// Least thickness of a web, as a share of the thinnest place that gets a bead. With
 /// the usual widths the bead of a web sticks out by 0.05 mm on each side at most.
 const LEAST: f64 = 0.45;
-/// Greatest length of a web, mm. What is longer is not printed, as `thin_min` says.
+/// Greatest length of a web, mm. A longer place is left out, as `thin_min` says of all
+/// that are thin.
 const LONGEST: Mm = 3.0;
 /// Length of the axis that tells its direction, mm.
 const STRAIGHT: Mm = 0.15;
 /// Length of each step into what a web holds, mm.
 const STEP: Mm = 0.05;
-/// Greatest number of such steps.
+/// Greatest number of such steps: between sides 30° apart a place of 0.16 mm is as thick
+/// as a wall after 0.6 mm.
 const STEPS: usize = 20;
 /// By how much the area may become thinner in a step, mm: borders are polygons.
 const SLACK: Mm = 0.005;
@@ -106,7 +108,7 @@ fn way_out(
         // Away from the nearer side, which keeps the way in the middle.
         along = (along + (at - q).normalize_or_zero()).normalize_or_zero();
     }
-    (thickness.max(way.last()?.1) >= bead).then_some(way)
+    (way.last()?.1 >= bead).then_some(way)
 }
 
 /// Gives one bead to the webs of an axis: to what is thinner than a bead of thickness

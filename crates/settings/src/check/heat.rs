@@ -55,7 +55,7 @@ pub(super) fn temperatures(s: &Settings) -> Result<(), Conflict> {
 /// Warns of a first layer that is much hotter or colder than the others, as it is where
 /// somebody sets one of the two and a profile the other.
 pub(super) fn first_layer(s: &Settings, warnings: &mut Vec<String>) {
-    /// Profiles of filaments differ by up to 15 °C.
+    /// The profiles that isoslice has ask for 5 °C more or less on the first layer.
     const MOST: Celsius = 15.0;
     let filament = &s.filament;
     let pairs = [
@@ -121,4 +121,58 @@ fn cool_enough(set: &Set) -> Result<(), Conflict> {
              temperature, or raise {limit_key} if your {part} bears more",
         ),
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Builder;
+
+    /// The warnings of some settings that speak of one.
+    fn warnings(of: &str, settings: &str) -> usize {
+        let mut builder = Builder::new();
+        builder.toml("own.toml", settings).unwrap();
+        let (_, warnings) = builder.finish().unwrap();
+        warnings.iter().filter(|text| text.contains(of)).count()
+    }
+
+    #[test]
+    fn a_first_layer_far_from_the_others_is_warned_of() {
+        let nozzle = "filament.nozzle_temperature = 250\n";
+        let bed = "filament.bed_temperature = 100\n";
+        let first = "filament.first_layer_";
+        assert_eq!(warnings(first, &format!("{nozzle}{bed}")), 0);
+        for (more, count) in [
+            ("nozzle_temperature = 240", 0),
+            ("nozzle_temperature = 215", 1),
+            ("nozzle_temperature = 270", 1),
+            ("bed_temperature = 90", 0),
+            ("bed_temperature = 60", 1),
+            ("bed_temperature = 0", 0),
+        ] {
+            let all = format!("{nozzle}{bed}{first}{more}");
+            assert_eq!(warnings(first, &all), count, "{more}");
+        }
+    }
+
+    #[test]
+    fn what_the_first_layer_is_left_to_is_checked() {
+        let mut builder = Builder::new();
+        let cold = "filament.nozzle_temperature = \"expr: 190 + z\"\n\
+                    printer.max_nozzle_temperature = 200";
+        builder.toml("own.toml", cold).unwrap();
+        let error = builder.finish().unwrap_err().to_string();
+        assert!(
+            error.contains("first_layer_nozzle_temperature = 215"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn arcs_are_warned_of_on_klipper_alone() {
+        for (flavour, count) in [("klipper", 1), ("marlin", 0)] {
+            let all =
+                format!("gcode.arcs = true\ngcode.flavour = \"{flavour}\"");
+            assert_eq!(warnings("[gcode_arcs]", &all), count, "{flavour}");
+        }
+    }
 }
