@@ -20,7 +20,8 @@
 //!
 //! Guarantees: each line ends on a bead of the layer below, or at a wall of its
 //! own layer. It goes on into the layer's sparse area for that, or, where the next
-//! bead is far away, back to the last place that one holds. Beads count where
+//! bead is far away, back to the last place that one holds. Lines on both sides of a
+//! narrow strip of sparse area (under a rib, for instance) run through it. Beads count where
 //! they are laid, and not where an area says that there should be some. Not
 //! guaranteed: that lines fill all of the skin. One of which an end cannot be
 //! held is left out, and the next layer lies over its place, with bridges unless
@@ -254,52 +255,67 @@ fn on(
     let grown = gaps.islands().into_iter();
     let grown = grown.map(|gap| offset(&gap, anchor, TOLERANCE));
     let grown: Vec<Area> = grown.collect();
-    let (mut parts, skin) = shared(&free, &grown);
+    let (parts, skin) = shared(&free, &grown);
     let ground = Ground::new(over, under, FARTHEST * way + width, plan);
     let space = spacing(width, width, height);
+    let along = DVec2::from_angle(angle.to_radians());
+    let lines = Lines {
+        angle,
+        spacing: space,
+        phase: 0.0,
+    };
+    let rows = rows_of(&parts, lines, width);
+    let half = 0.5 * space + TOLERANCE;
     let mut taken = Area::EMPTY;
-    let mut patches = Vec::new();
-    // Places that stay skin, as if there were no other places.
-    let mut refused = Area::EMPTY;
-    parts.retain(|part| {
+    let mut beads = vec![Vec::new(); parts.len()];
+    let mut has_lines = vec![false; parts.len()];
+    for row in ground.through_strips(rows, along) {
         if isoslice_base::limits::is_stopped() {
-            return false;
+            return None;
         }
-        let lines = Lines {
-            angle,
-            spacing: space,
-            phase: 0.0,
+        let Some((stroke, ways_on)) = ground.held(row.stroke) else {
+            continue;
         };
-        let shortest = 0.5 * width;
-        let mut beads = Vec::new();
-        let half = 0.5 * space + TOLERANCE;
-        for (_, stroke) in strokes(part, lines, width, shortest) {
-            let Some((stroke, ways)) = ground.held(stroke) else {
-                continue;
-            };
-            if stroke.length() >= shortest {
-                let strips = ways.into_iter().filter_map(|way| {
-                    let (from, to) = way?;
-                    strip(from, to, half)
-                });
-                taken.rings.extend(strips);
-                beads.push(Bead::new(Role::InternalBridge, stroke, height));
-            }
+        let Some((begin, end)) = stroke.ends() else {
+            continue;
+        };
+        if stroke.length() < 0.5 * width {
+            continue;
         }
-        if beads.is_empty() {
-            refused.rings.extend_from_slice(&part.rings);
-            return false;
+        // The line may have been taken back out of some of its parts.
+        let (begin, end) = (along.dot(begin), along.dot(end));
+        let passes =
+            |way: &Way| along.dot(way.0) < end && along.dot(way.1) > begin;
+        let ways = row.ways.into_iter().filter(passes);
+        let ways = ways.chain(ways_on.into_iter().flatten());
+        let strips = ways.filter_map(|(from, to)| strip(from, to, half));
+        taken.rings.extend(strips);
+        for (part, own) in &row.parts {
+            has_lines[*part] |= passes(own);
         }
-        patches.push(Patch {
-            rings: Vec::new(),
-            fills: vec![Fill {
-                lines: beads,
-                after: Vec::new(),
-                one_way: Vec::new(),
-            }],
-        });
-        true
+        let first = row.parts.first().map_or(0, |(part, _)| *part);
+        let bead = Bead::new(Role::InternalBridge, stroke, height);
+        beads[first].push(bead);
+    }
+    let lines = beads.into_iter().filter(|lines| !lines.is_empty());
+    let patches = lines.map(|lines| Patch {
+        rings: Vec::new(),
+        fills: vec![Fill {
+            lines,
+            after: Vec::new(),
+            one_way: Vec::new(),
+        }],
     });
+    let patches: Vec<Patch> = patches.collect();
+    // Places that stay skin, as if there were no other places.
+    let (mut refused, mut filled) = (Area::EMPTY, Vec::new());
+    for (part, has_lines) in parts.into_iter().zip(has_lines) {
+        if has_lines {
+            filled.push(part);
+        } else {
+            refused.rings.extend(part.rings);
+        }
+    }
     if patches.is_empty() {
         return None;
     }
@@ -316,7 +332,7 @@ fn on(
     let area = covered(&lines, angle, 0.5 * space + TOLERANCE);
     // What the lines have taken of the sparse area has no infill, either.
     let sparse = difference(over.sparse, &taken);
-    let meant = parts.into_iter().flat_map(|part| part.rings);
+    let meant = filled.into_iter().flat_map(|part| part.rings);
     let meant = unite(&meant.chain(taken.rings).collect());
     let left = difference(&meant, &area);
     let left = opened(&left, LEFT * width, TOLERANCE);
@@ -409,6 +425,53 @@ struct Ground<'a> {
 /// A way that a line goes on, from where it ended to where it ends.
 type Way = (DVec2, DVec2);
 
+/// A line of bridges before its ends are held.
+struct Row {
+    /// The numbers of the parts that it fills, and its way in each.
+    parts: Vec<(usize, Way)>,
+    stroke: Stroke,
+    /// Its ways through the sparse area between these parts.
+    ways: Vec<Way>,
+}
+
+impl Row {
+    /// Joins the line to the next one by a way.
+    fn join(&mut self, next: Row, way: Way) {
+        let stroke = &mut self.stroke;
+        if !(stroke.widths.is_empty() && next.stroke.widths.is_empty()) {
+            let widths = |of: &Stroke| -> Vec<Mm> {
+                (0..of.points.len()).map(|i| of.width_at(i)).collect()
+            };
+            stroke.widths = widths(stroke);
+            stroke.widths.extend(widths(&next.stroke));
+        }
+        stroke.points.extend(next.stroke.points);
+        self.ways.push(way);
+        self.ways.extend(next.ways);
+        self.parts.extend(next.parts);
+    }
+}
+
+/// The lines that fill parts, each with the number of its row.
+fn rows_of(parts: &[Area], lines: Lines, width: Mm) -> Vec<(i64, Row)> {
+    let mut rows: Vec<(i64, Row)> = Vec::new();
+    for (part, area) in parts.iter().enumerate() {
+        let all = strokes(area, lines, width, 0.5 * width).into_iter();
+        rows.extend(all.map(|(row, stroke)| {
+            let parts = stroke.ends().map(|way| (part, way));
+            let parts = parts.into_iter().collect();
+            let ways = Vec::new();
+            let own = Row {
+                parts,
+                stroke,
+                ways,
+            };
+            (row, own)
+        }));
+    }
+    rows
+}
+
 impl<'a> Ground<'a> {
     fn new(
         over: Over<'_>,
@@ -428,6 +491,58 @@ impl<'a> Ground<'a> {
             sparse: EdgeGrid::new(over.sparse, CELL),
             farthest,
         }
+    }
+
+    /// Joins lines of one row with a strip of sparse area between them that is no
+    /// wider than they may go on: from both sides they would meet in it, or both
+    /// end before it.
+    fn through_strips(&self, rows: Vec<(i64, Row)>, along: DVec2) -> Vec<Row> {
+        let begin = |i: usize| rows[i].1.stroke.points.first();
+        let place = |i: usize| begin(i).map_or(0.0, |p| along.dot(*p));
+        let mut order: Vec<usize> = (0..rows.len()).collect();
+        order.sort_by(|&i, &j| {
+            let places = || place(i).total_cmp(&place(j));
+            rows[i].0.cmp(&rows[j].0).then_with(places)
+        });
+        let mut rows: Vec<Option<(i64, Row)>> =
+            rows.into_iter().map(Some).collect();
+        let mut last = None;
+        for i in order {
+            let Some((number, row)) = rows[i].take() else {
+                continue;
+            };
+            let before: Option<&mut (i64, Row)> =
+                last.and_then(|i: usize| rows[i].as_mut());
+            match before {
+                Some((n, before)) if *n == number => {
+                    if let Some(way) = self.strip_between(before, &row) {
+                        before.join(row, way);
+                        continue;
+                    }
+                }
+                _ => {}
+            }
+            rows[i] = Some((number, row));
+            last = Some(i);
+        }
+        rows.into_iter().flatten().map(|(_, row)| row).collect()
+    }
+
+    /// The way from the end of a line to the beginning of the next one, if it leads
+    /// through a narrow strip of the layer's sparse area and nothing else.
+    fn strip_between(&self, before: &Row, after: &Row) -> Option<Way> {
+        let from = *before.stroke.points.last()?;
+        let to = *after.stroke.points.first()?;
+        let length = from.distance(to);
+        let inside = BEYOND / length..1.0 - BEYOND / length;
+        let is_strip = (2.0 * BEYOND..=self.farthest).contains(&length)
+            && self.sparse.contains(from.midpoint(to))
+            && !self
+                .sparse
+                .crossings(from, to)
+                .iter()
+                .any(|t| inside.contains(t));
+        is_strip.then_some((from, to))
     }
 
     /// A line whose ends are where something holds them, with the ways that it
@@ -616,6 +731,50 @@ mod tests {
             }
             None => (skin.content(), 0),
         }
+    }
+
+    /// Under a rib that stands on a face, for instance.
+    #[test]
+    fn lines_run_through_a_narrow_strip_between_two_bridges() {
+        let places =
+            [rect(-20.0, -8.0, 20.0, -0.7), rect(-20.0, 0.7, 20.0, 8.0)];
+        let all = Area::from_iter([rect(-30.0, -30.0, 30.0, 30.0)]);
+        let skin: Area = places.into_iter().collect();
+        let sparse = difference(&all, &skin);
+        let solid = Solid::new(all);
+        // Infill at 45°, 3 mm apart: some lines cross it within the strip.
+        let lines = (-20..20).map(|k| {
+            let x = 3.0 * std::f64::consts::SQRT_2 * f64::from(k);
+            [DVec2::new(x - 30.0, -30.0), DVec2::new(x + 30.0, 30.0)]
+        });
+        let lines = EdgeGrid::of_lines(lines, CELL);
+        let over = Over {
+            skin: &skin,
+            sparse: &sparse,
+            walls: &[],
+            view: &LayerView::of(1, &solid, &[&solid], &[&solid]),
+        };
+        let under = Under {
+            area: &solid,
+            lines: &lines,
+            shell: &[],
+        };
+        let found = bridged(over, under, &[], &usual_plan(SkinPlan::of));
+        let found = found.unwrap();
+        let lines: Vec<(DVec2, DVec2)> = lines_of(&found.patches)
+            .iter()
+            .flat_map(|line| {
+                line.windows(2).map(|p| (p[0], p[1])).collect::<Vec<_>>()
+            })
+            .filter(|(a, b)| a.distance(*b) > 1.0)
+            .collect();
+        // No line ends in the strip, but at its borders none does either.
+        let ends = lines.iter().flat_map(|(a, b)| [a, b]);
+        let inside = ends.filter(|p| p.y.abs() < 0.6 && p.x.abs() < 18.0);
+        assert_eq!(inside.count(), 0);
+        let through = lines.iter().filter(|(a, b)| a.y * b.y < 0.0);
+        assert!(through.count() > 50);
+        assert!(found.left.is_empty(), "{:?}", found.left);
     }
 
     #[test]
