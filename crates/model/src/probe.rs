@@ -137,20 +137,6 @@ impl Probe {
         Ok(found.iter().map(outside).collect())
     }
 
-    /// The way from each spot, at a height of its own, to the nearest change of
-    /// the field's sign along its direction; negative against the direction,
-    /// none if there is no change within 1 mm.
-    ///
-    /// # Errors
-    /// If the evaluator fails, which is a bug.
-    pub fn ways(
-        &self,
-        spots: impl IntoIterator<Item = (Spot, Mm)>,
-    ) -> Result<Vec<Option<Mm>>, ProbeError> {
-        let found = self.search(spots.into_iter())?;
-        Ok(found.iter().map(Search::way).collect())
-    }
-
     /// Looks for the changes of sign nearest to spots.
     fn search(
         &self,

@@ -1,29 +1,31 @@
-//! Webs: short places between thicker ones that are too thin for a bead.
+//! Places too thin for a bead that get one all the same: webs and fins.
 //!
 //! ```text
 //!   ━━━━━━━━╮        ╭━━━━━━━   Two teeth hang together by a web of 0.16 mm. No
 //!           ╰╴━━━━━━╶╯          bead is as thin as that, so one that is a little
 //!   ━━━━━━━━╮        ╭━━━━━━━   too wide runs along the web, from tooth to tooth.
-//!           ╰────────╯          Without it the part would come in pieces.
+//!           ╰────────╯          Without it the part would come in pieces, and a fin
+//!                               or the hairline of a letter would be lost.
 //! ```
 //!
 //! In: the axes of a part's outline, then their numbers of beads. Out: axes that reach
-//! into what a web holds together, and numbers with one bead along each web.
+//! into what a web holds together, and numbers with one bead along each web and each fin.
 //!
 //! An axis ends where the sides of the area lie at an angle, as they do beside most
-//! webs. What ends free, as a tab or a tip does, gets narrower there, and is no web.
+//! webs. Where a wedge ends in a point it is too thin for a short way only: that is
+//! no fin, and its bead ends where it is as thin as a bead can be.
 
 use super::medial_axis::Axis;
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::grid::EdgeGrid;
 
-/// Least thickness of a web, as a share of the thinnest place that gets a bead. With
-/// the usual widths the bead of a web sticks out by 0.05 mm on each side at most.
+/// Least thickness of a web or a fin, as a share of the thinnest bead's width. With the
+/// usual widths the bead sticks out by 0.075 mm on each side at most.
 const LEAST: f64 = 0.45;
-/// Greatest length of a web, mm. A longer place is left out, as `thin_min` says of all
-/// that are thin.
-const LONGEST: Mm = 3.0;
+/// Least length of a thin place that ends free, mm. Tips with sides 14° apart or more
+/// are shorter.
+const FIN: Mm = 0.6;
 /// Length of the axis that tells its direction, mm.
 const STRAIGHT: Mm = 0.15;
 /// Length of each step into what a web holds, mm.
@@ -34,7 +36,7 @@ const STEPS: usize = 20;
 /// By how much the area may become thinner in a step, mm: borders are polygons.
 const SLACK: Mm = 0.005;
 
-/// An axis that has webs, led on to where the area is thick if it ends in one; nothing if
+/// An axis that has webs or fins, led on to where the area is thick if it ends in one; nothing if
 /// it has none. Beads are laid from the thickness `bead` on, and walls close at `wall`.
 pub(super) fn led_on(
     axis: &Axis,
@@ -46,10 +48,8 @@ pub(super) fn led_on(
         return None;
     }
     let mut axis = axis.clone();
-    // An axis that is thin all over is a web only if the area opens at both of its ends.
-    let is_thick = axis.thickness.iter().any(|t| *t >= bead);
     if axis.closed || axis.points.len() < 2 {
-        return is_thick.then_some(axis);
+        return Some(axis);
     }
     for _ in 0..2 {
         axis.points.reverse();
@@ -73,13 +73,10 @@ pub(super) fn led_on(
         let before = axis.points.iter().rev().find(far);
         let along = before.or(axis.points.first()).map(|p| end - *p)?;
         let along = along.normalize_or_zero();
-        match way_out((end, along, t), [bead, wall], grid) {
-            Some(more) => {
-                axis.points.extend(more.iter().map(|p| p.0));
-                axis.thickness.extend(more.iter().map(|p| p.1));
-            }
-            None if is_thick => {}
-            None => return None,
+        let more = way_out((end, along, t), [bead, wall], grid);
+        for (p, t) in more.into_iter().flatten() {
+            axis.points.push(p);
+            axis.thickness.push(t);
         }
     }
     Some(axis)
@@ -111,47 +108,44 @@ fn way_out(
     (way.last()?.1 >= bead).then_some(way)
 }
 
-/// Gives one bead to the webs of an axis: to what is thinner than a bead of thickness
-/// `bead`, between thicker places, and to what has no bead beside it. Returns true if there
-/// are any.
+/// Gives one bead to the webs and fins of an axis, places thinner than a bead of thickness
+/// `bead` that lie between thicker ones or are long, and to what has no bead beside them.
+/// Returns true if there are any.
 pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) -> bool {
     let segments: Vec<_> = axis.segments().collect();
     let n = numbers.len();
-    let thin: Vec<bool> = segments
-        .iter()
-        .map(|(a, b)| 0.5 * (a.1 + b.1) < bead)
-        .collect();
-    // A closed axis is looked at from a thicker place on.
-    let Some(first) = thin.iter().position(|t| !t) else {
-        return false;
+    let thick = |k: usize| {
+        let (a, b) = segments[k % n];
+        0.5 * (a.1 + b.1) >= bead
     };
+    let thin = |k: &usize| {
+        let (a, b) = segments[k % n];
+        !thick(*k) && a.1.min(b.1) >= LEAST * bead
+    };
+    // A closed axis is looked at from another place on, if there is one.
+    let others = (0..n).find(|k| axis.closed && !thin(k));
+    let first = others.unwrap_or(0);
+    // What is bare on both sides of a place may go on beyond a closed axis's ends.
+    let turn = if axis.closed { n } else { 0 };
+    let (first, stop) = (first + turn, first + turn + n);
     let mut laid = false;
-    let stop = if axis.closed { first + n } else { n };
     let mut from = first;
-    while let Some(begin) = (from..stop).find(|&k| thin[k % n]) {
-        let end = (begin..stop).find(|&k| !thin[k % n]);
-        let Some(end) = end.or(axis.closed.then_some(stop)) else {
-            return laid;
-        };
+    while let Some(begin) = (from..stop).find(thin) {
+        let end = (begin..stop).find(|k| !thin(k)).unwrap_or(stop);
         from = end;
-        let web = (begin..end).map(|k| &segments[k % n]);
-        let length: Mm = web.clone().map(|(a, b)| a.0.distance(b.0)).sum();
-        let least = web.map(|(a, b)| a.1.min(b.1));
-        let bare = |k: &usize| numbers[k % n] == 0;
-        if length > LONGEST
-            || least.fold(f64::INFINITY, f64::min) < LEAST * bead
-        {
+        let place = (begin..end).map(|k| &segments[k % n]);
+        let length: Mm = place.map(|(a, b)| a.0.distance(b.0)).sum();
+        let goes_on = |k: usize| (first..stop + turn).contains(&k) && thick(k);
+        let is_web = begin > first && goes_on(begin - 1) && goes_on(end);
+        if !is_web && length < FIN {
             continue;
         }
-        // Around a closed axis, what is bare on both sides may go on beyond its ends.
-        let (back, on) = if axis.closed {
-            (begin + 1 - n.min(begin + 1), end + n)
-        } else {
-            (first, stop)
-        };
-        let before = (back..begin).rev().take_while(bare).last();
-        let after = (end..on).take_while(bare).last();
-        let whole = before.unwrap_or(begin)..=after.unwrap_or(end - 1);
+        let bare = |k: &usize| thick(*k) && numbers[k % n] == 0;
+        let before = (begin - begin.min(n)..begin).rev();
+        let before = before.take_while(|k| *k >= first - turn && bare(k));
+        let after = (end..stop + turn).take(n).take_while(bare);
+        let whole =
+            before.last().unwrap_or(begin)..=after.last().unwrap_or(end - 1);
         whole.for_each(|k| numbers[k % n] = 1);
         laid = true;
     }
@@ -258,32 +252,48 @@ mod tests {
             let mut numbers: Vec<usize> = all().map(number).collect();
             lay(&axis, 0.27, &mut numbers);
             assert_eq!(numbers, vec![1; N], "{first}");
-            // What is as thin all around is no web.
+            // A ring that is as thin all around.
             let thin = Axis {
                 thickness: vec![0.16; N],
                 ..axis
             };
             let mut none = vec![0; N];
             lay(&thin, 0.27, &mut none);
-            assert_eq!(none, vec![0; N]);
+            assert_eq!(none, vec![1; N]);
         }
     }
 
     #[test]
-    fn what_ends_free_is_no_web() {
+    fn fins_are_printed_and_tips_end_where_they_are_thin() {
         let block = rect(0.0, -2.0, 4.0, 2.0);
         let plan = usual_plan(WallPlan::of);
-        let tab = union(&block, &rect(3.9, -0.08, 5.0, 0.08));
         let far = |area: &Area| {
             let walls = walls(area, None, 0.2, &plan);
             let all = walls.lines.iter().chain(&walls.thin).flatten();
             let points = all.flat_map(|s| s.points.clone());
             points.map(|p| p.x).fold(0.0, f64::max)
         };
-        assert!(far(&tab) < 4.1, "{}", far(&tab));
-        assert!(pieces(&rect(0.0, 0.0, 1.5, 0.2)) == 0);
-        // A membrane that is long stays open, as asked for.
-        let wide = union(&block, &rect(14.0, -2.0, 18.0, 2.0));
-        assert_eq!(pieces(&union(&wide, &rect(3.9, -0.08, 14.1, 0.08))), 2);
+        for thickness in [0.13, 0.16, 0.26] {
+            let half = 0.5 * thickness;
+            let fin = |to: f64| union(&block, &rect(3.9, -half, to, half));
+            assert!(far(&fin(4.3)) < 4.1, "{thickness}");
+            for to in [5.0, 20.0] {
+                let end = far(&fin(to));
+                assert!((to - 0.3..to).contains(&end), "{thickness} {end}");
+                assert_eq!(pieces(&fin(to)), 1);
+            }
+            // One that stands on its own, and a long one between blocks.
+            assert_eq!(pieces(&rect(0.0, 0.0, 1.5, thickness)), 1);
+            let wide = union(&block, &rect(14.0, -2.0, 18.0, 2.0));
+            assert_eq!(pieces(&union(&wide, &fin(14.1))), 1);
+        }
+        assert_eq!(pieces(&rect(0.0, 0.0, 1.5, 0.1)), 0);
+        // Sides 20° apart: the tip is at 15, and 0.27 mm thick at 14.23.
+        let wedge = Area::from(
+            [(4.0, -1.94), (15.0, 0.0), (4.0, 1.94)]
+                .map(DVec2::from)
+                .to_vec(),
+        );
+        assert!((14.0..14.5).contains(&far(&wedge)), "{}", far(&wedge));
     }
 }

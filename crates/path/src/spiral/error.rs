@@ -2,7 +2,6 @@
 
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_model::ProbeError;
 
 /// Why a part cannot be one wall.
 #[derive(Debug, thiserror::Error)]
@@ -70,9 +69,6 @@ pub enum SpiralError {
         /// Flat layers below the wall.
         flat: usize,
     },
-    /// The field cannot be evaluated.
-    #[error(transparent)]
-    Probe(#[from] ProbeError),
 }
 
 fn place(p: DVec2) -> String {

@@ -1,15 +1,15 @@
 //! The spiral vase: one wall that climbs without a break.
 //!
-//! In: the outlines of the layers, in order, and the field. Out: for each layer
-//! one turn, a bead whose points have levels, and one more for each wall inside
+//! In: the outlines of the layers, in order. Out: for each layer one turn, a bead whose points have levels, and one more for each wall inside
 //! the first (`spiral`).
 //!
 //! A turn runs round the middle line of the layer's wall, and rises from the
 //! layer's bottom to its top. It begins as the wall of the layer below, and
-//! ends as that of its own layer. In between, each point is moved along the
-//! wall's normal to where the part's surface is at the middle of the material
-//! below the nozzle. So every point of the wall is as exact as the wall of a
-//! flat layer is at its middle.
+//! ends as that of its own layer. In between, each point is on its way from the
+//! place of the wall below that it goes on from to its own: as far as the middle of
+//! the material below the nozzle has come from one layer's middle to the other's. So
+//! every point of the wall is as exact as the wall of a flat layer is at its middle,
+//! but for how much the part's surface bends within one layer.
 //!
 //! The first turn lies on a flat layer, and its height grows from next to
 //! nothing. The last one is followed by a flat turn whose height goes back to
@@ -24,27 +24,26 @@
 //!
 //! Turns are cut where the flat walls of their layers would begin or cease to hang
 //! over the layer below: a turn reaches as far beyond the one below as these do.
-//!
-//! Not guaranteed: that a wall follows a surface that moves by more than 1 mm
-//! from one layer to the next. It is laid as if the surface did not move.
 
 mod error;
+mod feet;
 mod plan;
 mod ring;
 
 pub use error::SpiralError;
 pub use plan::SpiralPlan;
 
+use feet::feet;
 use glam::DVec2;
 use isoslice_base::units::Mm;
-use isoslice_layer::walls::{OFFSET_SHARE, OUTLINE_SHARE, Support};
-use isoslice_model::{Model, Probe, Spot};
+use isoslice_layer::walls::{OFFSET_SHARE, Support};
+use isoslice_model::Model;
 use isoslice_planar::bead::{Bead, Level, Role, Stroke, spacing};
 use isoslice_planar::offset::offset;
 use isoslice_planar::simplify::simplify_path;
 use isoslice_planar::{Area, Ring, signed_area};
 use isoslice_settings::layers::LayerSpan;
-use ring::{Point, begin, farthest, lonely, points, rear};
+use ring::{begin, farthest, lonely, points, rear};
 
 /// Height from which and to which turns grow and shrink, mm. It is next to
 /// nothing, but even a step of 0.03 mm feeds what the G-code resolves, so that
@@ -57,11 +56,8 @@ const TOLERANCE: Mm = 0.01;
 /// The wall of a part, turn by turn.
 pub struct Spiral {
     plan: SpiralPlan,
-    probe: Probe,
     /// From the model's coordinates to the bed's.
     offset: DVec2,
-    /// Height of the bed in the model's coordinates.
-    bed: Mm,
     /// For each layer from the last flat one on, where the turn of each wall
     /// ends and that of the next layer begins.
     ends: Vec<Vec<DVec2>>,
@@ -79,8 +75,7 @@ impl Spiral {
     /// A spiral without turns.
     ///
     /// # Errors
-    /// If the field cannot be evaluated, or a skirt would stand beside the
-    /// wall.
+    /// If a skirt would stand beside the wall.
     pub fn new(
         model: &Model,
         plan: SpiralPlan,
@@ -92,9 +87,7 @@ impl Spiral {
         }
         Ok(Spiral {
             plan,
-            probe: Probe::new(&model.tree)?,
             offset: model.offset.truncate(),
-            bed: -model.offset.z,
             ends: Vec::new(),
             holes: false,
             ring: Ring::new(),
@@ -189,19 +182,21 @@ impl Spiral {
     /// it, none does.
     ///
     /// # Errors
-    /// If there is no single wall round the outline.
+    /// If there is no single wall round an outline.
     pub fn turns(
         &self,
         layers: [&LayerSpan; 2],
-        outline: &Area,
+        outlines: [&Area; 2],
         support: Option<&Support<'_>>,
     ) -> Result<Vec<Bead>, SpiralError> {
         let span = layers[0];
-        let rings = self.middle_lines(span, outline)?;
+        let rings = self.middle_lines(span, outlines[0])?;
+        let on = self.middle_lines(layers[1], outlines[1])?;
         let alone = rings.len() == 1;
         let (mut climbing, mut flat) = (Vec::new(), Vec::new());
-        for (wall, ring) in rings.into_iter().enumerate().rev() {
-            let (mut turn, last) = self.turn(layers, ring, wall, support)?;
+        let rings = rings.into_iter().zip(on).enumerate();
+        for (wall, rings) in rings.rev() {
+            let (mut turn, last) = self.turn(layers, rings, wall, support);
             match (&mut turn[..], last) {
                 ([only], Some(last))
                     if alone && only.role != Role::Overhang =>
@@ -223,10 +218,10 @@ impl Spiral {
     fn turn(
         &self,
         [span, below]: [&LayerSpan; 2],
-        ring: Ring,
+        (ring, on): (Ring, Ring),
         wall: usize,
         support: Option<&Support<'_>>,
-    ) -> Result<(Vec<Bead>, Option<Stroke>), SpiralError> {
+    ) -> (Vec<Bead>, Option<Stroke>) {
         let first = self.first;
         let number = span.index - first;
         let end = self.ends.get(number + 1).and_then(|ends| ends.get(wall));
@@ -238,25 +233,29 @@ impl Spiral {
         if let (Some(&end), Some(first)) = (end, ring.first_mut()) {
             *first = end;
         }
-        // The middle of the material below the nozzle, and its height.
+        // How far the middle of the material below the nozzle is above the middle
+        // of the layer below where the turn begins, and the material's height there.
         let (low, from) = match number {
             0 => (span.bottom, 0.0),
             _ => (below.sample_z(), below.height()),
         };
-        let middle = |share: f64| low + share * (span.sample_z() - low);
+        let rises = span.sample_z() - below.sample_z();
+        let back = (span.sample_z() - low) / rises;
+        let start = self.start_of(span.index, wall);
+        let on = begin(&on, start.unwrap_or(ring[0]));
         let points = points(&ring);
-        let depth = self.depth(wall, span.height());
-        let mut way = self.moved(&points, depth, middle)?;
-        if let (Some(start), Some(p)) =
-            (self.start_of(span.index, wall), way.first_mut())
-        {
+        let on = feet(&points, &on).into_iter();
+        let way = points.iter().zip(on);
+        let mut way: Vec<DVec2> = way
+            .map(|(p, on)| p.at.lerp(on, back * (1.0 - p.share)))
+            .collect();
+        if let (Some(start), Some(p)) = (start, way.first_mut()) {
             *p = start;
         }
         if let Some(p) = way.last_mut() {
             *p = ring[0];
         }
-        // Its points are on the surface, so that it has the outline's share.
-        let tolerance = OUTLINE_SHARE * self.plan.accuracy;
+        let tolerance = OFFSET_SHARE * self.plan.accuracy;
         let width = self.width(wall);
         let height = span.height();
         let least = LEAST.min(height) - height;
@@ -298,7 +297,7 @@ impl Spiral {
             }
         }
         if number + 2 != self.ends.len() {
-            return Ok((turn, None));
+            return (turn, None);
         }
         let mut last = Stroke::new(Vec::new(), false, width);
         for (p, i) in simplify_path(&flat, false, tolerance, |_, _| true) {
@@ -308,7 +307,7 @@ impl Spiral {
                 extra: (-points[i].share * height).max(least),
             });
         }
-        Ok((turn, Some(last)))
+        (turn, Some(last))
     }
 
     /// Width of a wall, counted from the outside.
@@ -368,32 +367,6 @@ impl Spiral {
             }
         }
         Ok(lines)
-    }
-
-    /// The points, moved with the part's surface, which lies `depth` beside
-    /// them now. `middle` has for each point the height at which the surface is
-    /// looked for, by the point's share of the turn.
-    fn moved(
-        &self,
-        points: &[Point],
-        depth: Mm,
-        middle: impl Fn(f64) -> Mm,
-    ) -> Result<Vec<DVec2>, SpiralError> {
-        let beside = depth - self.plan.growth;
-        let spots = points.iter().flat_map(|p| {
-            let z = middle(p.share) + self.bed;
-            let at = |out: DVec2| p.at + beside * out;
-            p.out.map(|out| (Spot { at: at(out), out }, z))
-        });
-        let ways = self.probe.ways(spots)?;
-        let ways = ways
-            .chunks(2)
-            .map(|w| DVec2::new(w[0].unwrap_or(0.0), w[1].unwrap_or(0.0)));
-        Ok(points
-            .iter()
-            .zip(ways)
-            .map(|(p, way)| p.at + p.shift(way))
-            .collect())
     }
 }
 

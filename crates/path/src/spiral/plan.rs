@@ -11,8 +11,6 @@ pub struct SpiralPlan {
     pub(super) walls: u32,
     /// Width of the outer wall and of the others, mm.
     pub(super) widths: [Mm; 2],
-    /// How far outlines grow, mm; 0 if that differs from place to place.
-    pub(super) growth: Mm,
     /// Greatest error of what shows, mm.
     pub(super) accuracy: Mm,
     /// Number of layers that have a skirt.
@@ -28,7 +26,6 @@ impl SpiralPlan {
         SpiralPlan {
             walls: s.spiral.number().unwrap_or(1),
             widths: [s.outer_wall_width(), s.inner_wall_width()],
-            growth: s.xy_compensation.constant().unwrap_or(0.0),
             accuracy: s.accuracy,
             skirt: match s.skirt.loops {
                 0 => 0,

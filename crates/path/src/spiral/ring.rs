@@ -1,37 +1,50 @@
-//! Points along rings, and where rings begin.
+//! Points along rings, their corners, and where rings begin.
 
 use crate::order::begin_near;
-use glam::{DMat2, DVec2};
+use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::Ring;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::nearest_on;
 
-/// Greatest distance of points whose way to the surface is looked for, mm.
-const SURFACE_STEP: Mm = 0.25;
+/// Greatest distance of a turn's points, mm.
+const STEP: Mm = 0.25;
 
-/// Sine of the angle from which a corner is kept as one.
-const CORNER: f64 = 0.1;
+/// Sine of the angle from which a corner is kept as one. Arcs turn by less from one
+/// of their sides to the next.
+const CORNER: f64 = 0.5;
 
-/// A point of a turn, on its way to the surface.
+/// A point of a turn.
 pub(super) struct Point {
     pub at: DVec2,
     /// Share of the turn's way.
     pub share: f64,
-    /// Directions to the surface: one, or, at a corner, two.
-    pub out: [DVec2; 2],
+    /// Direction of the turn.
+    pub along: DVec2,
+    /// Greater than 0 at a corner to the left, less at one to the right, and 0
+    /// where there is none.
+    pub corner: f64,
 }
 
-impl Point {
-    /// How the point moves if the surface moves by `way` in its directions.
-    pub(super) fn shift(&self, way: DVec2) -> DVec2 {
-        let [a, b] = self.out;
-        if a == b {
-            return way.x * a;
-        }
-        // The point keeps its distance from both sides.
-        DMat2::from_cols(a, b).transpose().inverse() * way
-    }
+/// The sides of a ring.
+pub(super) fn sides(ring: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().copied().zip(next.copied())
+}
+
+/// Directions before and after a point of a ring.
+fn directions(ring: &[DVec2], i: usize) -> [DVec2; 2] {
+    let n = ring.len();
+    [i + n - 1, i]
+        .map(|i| (ring[(i + 1) % n] - ring[i % n]).normalize_or_zero())
+}
+
+/// Greater than 0 if a ring has a corner to the left at a point, less than 0 if it has
+/// one to the right, and 0 if it has none there.
+pub(super) fn is_corner(ring: &[DVec2], i: usize) -> f64 {
+    let [before, after] = directions(ring, i);
+    let turn = before.angle_to(after);
+    if turn.abs() > CORNER { turn } else { 0.0 }
 }
 
 /// The first point of a ring that is farthest from all of some pieces. None of
@@ -48,43 +61,36 @@ pub(super) fn lonely(ring: &[DVec2], pieces: &[Ring]) -> DVec2 {
 
 /// Points along a ring, the first one once more at the end.
 pub(super) fn points(ring: &[DVec2]) -> Vec<Point> {
-    let n = ring.len();
-    let side = |i: usize| (ring[i % n], ring[(i + 1) % n]);
-    let normal = |i: usize| {
-        let (a, b) = side(i);
-        -(b - a).normalize_or_zero().perp()
-    };
-    let length: Mm = (0..n).map(|i| side(i).0.distance(side(i).1)).sum();
+    let length: Mm = sides(ring).map(|(a, b)| a.distance(b)).sum();
     let mut points = Vec::new();
     let mut done = 0.0;
-    for i in 0..=n {
-        let (a, b) = side(i);
-        let (before, after) = (normal(i + n - 1), normal(i));
-        let out = if before.perp_dot(after).abs() > CORNER {
-            [before, after]
-        } else {
-            [(before + after).normalize_or_zero(); 2]
-        };
+    for (i, (a, b)) in sides(ring).enumerate() {
+        let [before, after] = directions(ring, i);
         points.push(Point {
             at: a,
-            share: (done / length).min(1.0),
-            out,
+            share: done / length,
+            along: before + after,
+            corner: is_corner(ring, i),
         });
-        if i == n {
-            break;
-        }
         let step = a.distance(b);
-        let count = (step / SURFACE_STEP).ceil().max(1.0);
+        let count = (step / STEP).ceil().max(1.0);
         for k in 1..count as usize {
             let t = k as f64 / count;
             points.push(Point {
                 at: a.lerp(b, t),
-                share: ((done + t * step) / length).min(1.0),
-                out: [after; 2],
+                share: (done + t * step) / length,
+                along: after,
+                corner: 0.0,
             });
         }
         done += step;
     }
+    points.extend(ring.first().map(|&at| Point {
+        at,
+        share: 1.0,
+        along: DVec2::ZERO,
+        corner: 0.0,
+    }));
     points
 }
 
@@ -113,7 +119,6 @@ pub(super) fn farthest(ring: &[DVec2], from: &[DVec2]) -> Mm {
 
 /// Distance of a point from a ring.
 pub(super) fn distance(p: DVec2, ring: &[DVec2]) -> Mm {
-    let sides = ring.iter().zip(ring.iter().cycle().skip(1));
-    let to = sides.map(|(&a, &b)| nearest_on(p, a, b).distance(p));
+    let to = sides(ring).map(|(a, b)| nearest_on(p, a, b).distance(p));
     to.fold(f64::INFINITY, f64::min)
 }

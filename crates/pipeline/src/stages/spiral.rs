@@ -52,9 +52,10 @@ impl<'a> Stages<'a> {
                 let ground = spiral.ground(&below.span, below.outline.area());
                 let ground = Solid::new(ground);
                 let support = Support::new(&ground, here.outline, plan);
-                let outline = here.outline.area();
-                let spans = [&here.span, &below.span];
-                Ok(spiral.turns(spans, outline, support.as_ref())?)
+                let layers = [here, below];
+                let spans = layers.map(|layer| &layer.span);
+                let outlines = layers.map(|layer| layer.outline.area());
+                Ok(spiral.turns(spans, outlines, support.as_ref())?)
             }
             _ => Ok(Vec::new()),
         }

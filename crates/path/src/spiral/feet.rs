@@ -1,0 +1,145 @@
+//! The places of the turn below from which the points of a turn go on.
+//!
+//! ```text
+//!     p0   p1    p2   p3      the layer's middle line, which the turn ends as
+//!   ───●────●────┬─●──●──
+//!      ┆    ┆    │ ┆  ┆
+//!   ───○────○────┴─○──○──     the middle line of the layer below
+//! ```
+//!
+//! In: a turn's points and the line below, which begins where the turn does. Out: a
+//! place on that line for each point, in the same order: a point's nearest place, or,
+//! for a corner, the corner beside it. Where these lie in another order, as beside
+//! corners that move along the line, those at fault share one place: the positions along
+//! the line are fitted by ones that never go back (pool adjacent violators; Barlow
+//! et al. 1972). So no turn folds back on itself, whatever the part does from
+//! one layer to the next.
+
+use super::ring::{Point, is_corner, sides};
+use glam::DVec2;
+use isoslice_base::units::Mm;
+use isoslice_planar::grid::EdgeGrid;
+
+/// Size of the cells in which the sides of a line are looked up, mm.
+const CELL: Mm = 0.5;
+
+/// A corner goes on from one that is no farther away than this many times the distance
+/// of the nearest place: as far as corners of 30° are that move towards their tips.
+const CORNER_REACH: f64 = 4.0;
+
+/// A place on the other side of a thin part is no place to go on from. One on the right
+/// side is looked for this many times as far away.
+const OTHER_SIDE: f64 = 16.0;
+
+/// How much more than other points a corner counts where the order is mended, and how
+/// much more the ends of the turn, which are known.
+const WEIGHTS: [f64; 2] = [1e3, 1e6];
+
+/// Positions that are fitted by one, and what they count.
+struct Block {
+    position: Mm,
+    weight: f64,
+    count: usize,
+}
+
+/// The place on a line below for each point of a turn.
+pub(super) fn feet(points: &[Point], below: &[DVec2]) -> Vec<DVec2> {
+    let grid = EdgeGrid::of(sides(below).map(|side| (0, side)), CELL);
+    let mut ends = vec![0.0];
+    let mut length = 0.0;
+    for (a, b) in sides(below) {
+        length += a.distance(b);
+        ends.push(length);
+    }
+    let corners: Vec<usize> = (0..below.len())
+        .filter(|&i| is_corner(below, i) != 0.0)
+        .collect();
+    let position = |p: &Point| -> (Mm, f64) {
+        let Some((side, foot)) = foot(&grid, p) else {
+            return (p.share * length, 1.0);
+        };
+        let reach = CORNER_REACH * foot.distance(p.at);
+        let same = |i: &&usize| is_corner(below, **i) * p.corner > 0.0;
+        let away = |i: &usize| below[*i].distance(p.at);
+        let beside = corners
+            .iter()
+            .filter(same)
+            .filter(|i| away(i) <= reach)
+            .min_by(|i, j| away(i).total_cmp(&away(j)));
+        match beside {
+            Some(&i) => (ends[i], WEIGHTS[0]),
+            None => (ends[side] + below[side].distance(foot), 1.0),
+        }
+    };
+    let last = points.len().saturating_sub(1);
+    let positions = points.iter().enumerate().map(|(i, p)| match i {
+        0 => (0.0, WEIGHTS[1]),
+        i if i == last => (length, WEIGHTS[1]),
+        _ => {
+            let (at, weight) = position(p);
+            // The line is closed: of the two ends of it the nearer one counts.
+            let turns = (p.share - at / length).round();
+            (at + turns * length, weight)
+        }
+    });
+    let at = |position: Mm| {
+        let next = ends.partition_point(|end| *end <= position);
+        let side = next.clamp(1, below.len()) - 1;
+        let (a, b) = (below[side], below[(side + 1) % below.len()]);
+        let length = (ends[side + 1] - ends[side]).max(f64::MIN_POSITIVE);
+        let share = (position - ends[side]) / length;
+        a.lerp(b, share.clamp(0.0, 1.0))
+    };
+    in_order(positions).map(at).collect()
+}
+
+/// The nearest place of the sides of a line that run about the same way as the turn
+/// does at a point, and the number of its side.
+fn foot(grid: &EdgeGrid, p: &Point) -> Option<(usize, DVec2)> {
+    let same_way = |side: usize| {
+        let (a, b) = grid.edge(side);
+        (b - a).dot(p.along) > 0.0
+    };
+    let (side, foot) = grid.foot(p.at)?;
+    if same_way(side) {
+        return Some((side, foot));
+    }
+    let reach = OTHER_SIDE * foot.distance(p.at);
+    let mut near = Vec::new();
+    grid.visit_edges_near(p.at, p.at, reach, |side| {
+        if same_way(side) {
+            near.push(side as u32);
+        }
+    });
+    near.sort_unstable();
+    grid.nearest_of(&near, p.at, reach)
+}
+
+/// Positions with their weights, fitted by ones that never go back.
+fn in_order(
+    positions: impl Iterator<Item = (Mm, f64)>,
+) -> impl Iterator<Item = Mm> {
+    let mut blocks: Vec<Block> = Vec::new();
+    for (position, weight) in positions {
+        let mut own = Block {
+            position,
+            weight,
+            count: 1,
+        };
+        while let Some(before) =
+            blocks.pop_if(|before| before.position >= own.position)
+        {
+            let weight = before.weight + own.weight;
+            let share = own.weight / weight;
+            own = Block {
+                position: before.position
+                    + share * (own.position - before.position),
+                weight,
+                count: before.count + own.count,
+            };
+        }
+        blocks.push(own);
+    }
+    let each = |block: Block| std::iter::repeat_n(block.position, block.count);
+    blocks.into_iter().flat_map(each)
+}
