@@ -1,7 +1,11 @@
 //! Counts over all layers, and the warnings that follow from them.
 
 use super::layer::Layer;
-use isoslice_base::units::{Mm2, Mm3};
+use isoslice_base::units::{Mm, Mm2, Mm3};
+
+/// Height from which on it is told that a part's top is too thin to be printed, mm.
+/// The tips of cones and of balls are lower.
+const HIGH: Mm = 1.0;
 
 /// What is counted over all layers.
 #[derive(Default)]
@@ -20,6 +24,8 @@ pub(super) struct Tally {
     layers: usize,
     empty: usize,
     bridged: usize,
+    /// Where the empty layers since the last one that was not empty begin and end.
+    bare: Option<(Mm, Mm)>,
     /// True if nothing is printed in the first layer.
     pub floats: bool,
 }
@@ -39,8 +45,11 @@ impl Tally {
         self.layers += 1;
         if empty {
             self.empty += 1;
+            let from = self.bare.map_or(layer.span.bottom, |bare| bare.0);
+            self.bare = Some((from, layer.span.top));
         } else {
             self.bridged += std::mem::take(&mut self.empty);
+            self.bare = None;
         }
     }
 
@@ -64,6 +73,14 @@ impl Tally {
                  above them: the part is not in one piece, thinner than any \
                  line there, or does not stand on the bed{or_field}",
                 self.bridged, self.layers
+            ));
+        }
+        let high = |(from, to): &(Mm, Mm)| to - from >= HIGH;
+        if let Some((from, to)) = self.bare.filter(high) {
+            warnings.push(format!(
+                "the highest {:.1} mm of the part, above z = {from:.2} mm, are \
+                 thinner than any line and are left out; {remedy}",
+                to - from
             ));
         }
         if self.gap > 0.02 * self.solid {

@@ -464,10 +464,8 @@ table::settings! {
         /// comes nearer to it than half a line's width.
         check_walls: bool = true;
         /// What hides the ooze of travels: sparse infill alone, or whatever is
-        /// inside the part and no top skin (covered). auto chooses for each
-        /// layer: sparse-infill if that fills a quarter of the layer or more,
-        /// otherwise covered, as in lattices and in solid skin; travels may
-        /// then also cross inner walls.
+        /// inside the part and no top skin (covered). auto is covered, and
+        /// travels may also cross inner walls.
         hidden: Hidden = Hidden::Auto;
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;

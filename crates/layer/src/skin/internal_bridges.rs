@@ -284,14 +284,17 @@ fn on(
         }
         // The line may have been taken back out of some of its parts.
         let (begin, end) = (along.dot(begin), along.dot(end));
-        let passes =
-            |way: &Way| along.dot(way.0) < end && along.dot(way.1) > begin;
-        let ways = row.ways.into_iter().filter(passes);
+        let passed = |(from, to): Way| {
+            let at = along.dot(from);
+            let (a, b) = (at.max(begin), along.dot(to).min(end));
+            (a < b).then(|| (from + (a - at) * along, from + (b - at) * along))
+        };
+        let ways = row.ways.into_iter().filter_map(passed);
         let ways = ways.chain(ways_on.into_iter().flatten());
         let strips = ways.filter_map(|(from, to)| strip(from, to, half));
         taken.rings.extend(strips);
-        for (part, own) in &row.parts {
-            has_lines[*part] |= passes(own);
+        for (part, own) in row.parts.iter().copied() {
+            has_lines[part] |= passed(own).is_some();
         }
         let first = row.parts.first().map_or(0, |(part, _)| *part);
         let bead = Bead::new(Role::InternalBridge, stroke, height);
@@ -534,7 +537,9 @@ impl<'a> Ground<'a> {
         let from = *before.stroke.points.last()?;
         let to = *after.stroke.points.first()?;
         let length = from.distance(to);
-        let inside = BEYOND / length..1.0 - BEYOND / length;
+        // Where bridges are near each other, their areas end a little earlier.
+        let slack = self.reach / length;
+        let inside = slack..1.0 - slack;
         let is_strip = (2.0 * BEYOND..=self.farthest).contains(&length)
             && self.sparse.contains(from.midpoint(to))
             && !self

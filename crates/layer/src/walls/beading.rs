@@ -375,7 +375,7 @@ impl Beadings {
     }
 
     /// The parts of an axis with these numbers of beads. `webs` is true if single beads
-    /// may be wider than their place.
+    /// may be wider than their place: as wide as the thinnest bead.
     fn parts(
         &self,
         axis: &Axis,
@@ -383,13 +383,13 @@ impl Beadings {
         webs: bool,
     ) -> Vec<(usize, Axis)> {
         let few = self.few();
+        let thinnest = self.beadings.first().map_or(0.0, |none| none.upto);
         let mut parts = axis.parts(numbers);
         for (number, part) in &mut parts {
             if let Some(c) = self.beadings.get(*number) {
                 let most = c.range.1.max(c.short.1);
-                // The bead of a web is as narrow as a bead may be.
                 let web = webs && *number == 1;
-                let least = if web { c.range.0 } else { 0.0 };
+                let least = if web { thinnest } else { 0.0 };
                 let fits = |t: &mut Mm| *t = t.max(least).min(most);
                 part.thickness.iter_mut().for_each(fits);
             }

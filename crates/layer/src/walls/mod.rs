@@ -819,10 +819,13 @@ mod tests {
             );
             assert!(w.gap < 0.03 * content, "{width:.2}: {}", w.gap);
         }
-        // Below the narrowest bead nothing can be done but say so.
+        // A fin gets the narrowest bead. Below that nothing can be done but say so.
         let w = strip(0.2);
+        let share = extruded(&w, 0.2) / (50.0 * (0.27 - 0.043));
+        assert!((share - 1.0).abs() < 0.03, "{share}");
+        let w = strip(0.1);
         assert_eq!(extruded(&w, 0.2), 0.0);
-        assert!((w.gap - 10.0).abs() < 1e-6);
+        assert!((w.gap - 5.0).abs() < 1e-6);
     }
 
     #[test]

@@ -280,7 +280,7 @@ mod tests {
             for to in [5.0, 20.0] {
                 let end = far(&fin(to));
                 assert!((to - 0.3..to).contains(&end), "{thickness} {end}");
-                assert_eq!(pieces(&fin(to)), 1);
+                assert_eq!(pieces(&fin(to)), 1, "{thickness} {to}");
             }
             // One that stands on its own, and a long one between blocks.
             assert_eq!(pieces(&rect(0.0, 0.0, 1.5, thickness)), 1);

@@ -29,11 +29,6 @@ use std::cell::OnceCell;
 /// share of a line's width. At this distance they are surely inside.
 const OFF_BORDER: f64 = 0.25;
 
-/// Least share of a layer's area at which its sparse infill alone hides
-/// travels, unless a setting says otherwise. Solid parts have more infill,
-/// lattices less: in lattices nearly all travels lead through walls.
-const MUCH_INFILL: f64 = 0.25;
-
 /// Greatest length of a way round that shows, as a multiple of the straight way,
 /// between places nearer than `retract.min_travel`. Round holes of 1.2 mm and
 /// more it is less than 3. Ways from wall to wall of a vase, or all round an
@@ -52,16 +47,11 @@ enum Cover {
     Walls,
 }
 
-impl Cover {
-    fn new(ground: &Ground<'_>, plan: &TravelPlan) -> Cover {
-        let much = || {
-            let infill = ground.sparse.area().content();
-            infill >= MUCH_INFILL * ground.outline().area().content()
-        };
-        match plan.retract.hidden {
+impl From<Hidden> for Cover {
+    fn from(hidden: Hidden) -> Cover {
+        match hidden {
             Hidden::SparseInfill => Cover::Infill,
             Hidden::Covered => Cover::Part,
-            Hidden::Auto if !plan.hollow && much() => Cover::Infill,
             Hidden::Auto => Cover::Walls,
         }
     }
@@ -99,7 +89,7 @@ impl<'a> Planner<'a> {
             sparse: OnceCell::new(),
             covered: OnceCell::new(),
             clearance,
-            cover: Cover::new(&ground, plan),
+            cover: plan.retract.hidden.into(),
             plan,
         }
     }

@@ -11,13 +11,11 @@
 //!    infill   ╲─────────● next   what hides its ooze.
 //! ```
 //!
-//! The first question is whether every part of a way lies over sparse infill
-//! ([`Obstacles::within_infill`]), the second whether the way crosses a wall
-//! ([`Obstacles::wall`]). A way that touches a wall, or comes nearer to its
-//! middle than half a line's width, crosses it. A gap between two islands is
-//! air, however thin. A looser rule holds for layers with little sparse infill,
-//! and where a setting asks for it: a way is hidden if it stays inside the
-//! part, behind the outer wall, and off top skin.
+//! A way is hidden if it stays inside the part, behind the outer walls, and off top
+//! skin. A gap between two islands is air, however thin. Where a setting asks for it,
+//! every part of a way has to lie over sparse infill ([`Obstacles::within_infill`]), and
+//! no wall may be crossed ([`Obstacles::wall`]). A way that touches a wall, or comes
+//! nearer to its middle than half a line's width, crosses it.
 //!
 //! A layer's walls and sparse infill are put into grids when the first way asks
 //! for them. Only parts that share a grid's cells and overlap with a way's box
@@ -30,7 +28,7 @@ use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
 use isoslice_planar::along::parted;
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_planar::grid::EdgeGrid;
+use isoslice_planar::grid::{EdgeGrid, nearest_on};
 use std::cell::OnceCell;
 
 /// What a travel may cross in a layer.
@@ -173,14 +171,23 @@ impl<'a> Obstacles<'a> {
     /// True if the way crosses an outer wall or follows one: if it comes too
     /// near to the outline, since the outer walls lie half a line's width
     /// inside it. The way's ends may be on walls, but may not lead over them.
-    /// `next` is the number of the bead that the way leads to.
+    /// `next` is the number of the bead that the way leads to. The way may go back
+    /// along the open bead from which it comes, and along the open one to which it
+    /// leads, as it does in the tips of a part.
     pub(super) fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
         let middle = 0.5 * self.width;
         let near = middle + NEAR * self.width;
+        let own = self.beads.get(next.saturating_sub(1)..=next);
+        let own = own.unwrap_or_default().iter();
+        let own: Vec<&Bead> = own.filter(|b| !b.stroke.closed).collect();
+        let grid = self.ground.outline().grid();
+        let clear = |p: DVec2, q: DVec2| grid.clear(p, q, near);
         let along = trimmed(points, self.width);
-        let follows = along
-            .windows(2)
-            .any(|p| !self.ground.outline().grid().clear(p[0], p[1], near));
+        let follows = along.windows(2).any(|p| {
+            let beside = |q: DVec2| !clear(q, q) && !self.is_on(&own, q);
+            !clear(p[0], p[1])
+                && (own.is_empty() || steps(p, middle).any(beside))
+        });
         // Beads of thin places, and walls that grow wider, reach into the part,
         // where they go on as two beads.
         let open = self.open.get_or_init(|| {
@@ -199,7 +206,9 @@ impl<'a> Obstacles<'a> {
             open.visit_crossed(p[0], p[1], |t, edge| {
                 let i = open.owner(edge);
                 let own = i == next || i + 1 == next;
-                crossed |= !own || !at_end(p[0].lerp(p[1], t));
+                let may =
+                    !self.beads[i].stroke.closed || at_end(p[0].lerp(p[1], t));
+                crossed |= !own || !may;
             });
             crossed
         };
@@ -207,6 +216,12 @@ impl<'a> Obstacles<'a> {
             || points.windows(2).any(crosses)
             || self.leads_over(points.iter().copied(), middle)
             || self.leads_over(points.iter().rev().copied(), middle)
+    }
+
+    /// True if a place is on one of some beads.
+    fn is_on(&self, beads: &[&Bead], p: DVec2) -> bool {
+        let mut pieces = beads.iter().flat_map(|b| b.stroke.segments());
+        pieces.any(|(a, b)| nearest_on(p, a, b).distance(p) <= 0.5 * self.width)
     }
 
     /// True if the beginning of a way comes nearer to the outline than the
@@ -260,6 +275,13 @@ impl<'a> Obstacles<'a> {
         let [_, left] = parted(points.iter().copied(), 2.0 * self.width);
         meets(points, &|i| i + 1 < next) || meets(&left, &|i| i + 1 == next)
     }
+}
+
+/// Places along a segment, no farther apart than `step`.
+fn steps(way: &[DVec2], step: Mm) -> impl Iterator<Item = DVec2> {
+    let (a, b) = (way[0], way[1]);
+    let count = (a.distance(b) / step).ceil().clamp(1.0, 1e4);
+    (0..=count as usize).map(move |k| a.lerp(b, k as f64 / count))
 }
 
 /// A way without its first and last `length` mm; empty if nothing is left.
