@@ -517,13 +517,13 @@ fn supports_of_a_tip_stay_out_of_it_with_wide_nozzles() {
 
 #[test]
 fn an_edge_in_the_air_or_on_the_bed_is_held_from_both_sides() {
-    // Wedges of 28° and of 90° that stand on their edges, one of them below the arms
+    // Wedges of 28° and of 53° that stand on their edges, one of them below the arms
     // of a T.
     let hung = format!(
         "min({TEE}, max(max(abs(x - 14) - 0.25*(z - 4), abs(y) - 5), z - 11))"
     );
-    let stands = "max(max(abs(x) - z, abs(y) - 5), z - 3)";
-    let wedges = [(&*hung, 14.0, 4.0, 0.25), (stands, 0.0, 0.0, 1.0)];
+    let stands = "max(max(abs(x) - z/2, abs(y) - 5), z - 3)";
+    let wedges = [(&*hung, 14.0, 4.0, 0.25), (stands, 0.0, 0.0, 0.5)];
     for (text, x, edge, slope) in wedges {
         let (gcode, _) = run(text, &["supports=auto"]);
         let middle = DVec2::new(110.0 + x, 110.0);
@@ -694,7 +694,7 @@ fn an_empty_layer_is_told_of_unless_it_is_the_first_with_a_pad_in_it() {
         let warnings = run(text, &[supports]).1.warnings;
         warnings.iter().any(|w| w.contains("nothing to print"))
     };
-    let stands = "max(max(abs(x) - z, abs(y) - 5), z - 3)";
+    let stands = "max(max(abs(x) - z/2, abs(y) - 5), z - 3)";
     assert!(told(stands, "supports=off"));
     assert!(!told(stands, "supports=auto"));
     // A plate on a neck that is too thin to print, held by supports.

@@ -329,8 +329,10 @@ fn tops_lie_on_the_surface() {
         assert!(worst(&straight) < 3.0, "{name}: {}", worst(&straight));
         for off in [own, strips].iter().filter(|off| !off.is_empty()) {
             assert!(rms(off) < 2.5, "{name}: {}", rms(off));
-            // At a bend a bead has one height for both of its sides.
-            assert!(worst(off) < 18.0, "{name}: {}", worst(off));
+            // At a bend a bead has one height for both of its sides. One that is
+            // wider than its strip sticks out by 0.075 mm, where a top of 15° is
+            // 20 µm lower.
+            assert!(worst(off) < 22.0, "{name}: {}", worst(off));
         }
         let share = volume(&steps) / part.volume() - 1.0;
         assert!(share.abs() < 0.005, "{name}: {share}");

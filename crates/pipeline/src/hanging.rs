@@ -65,7 +65,7 @@ pub fn survey(
     let stages = Stages::new(model, &plans, &around, gauge, &spans)?;
     // What cannot be printed has no hanging places, of which there may be
     // millions.
-    let printed = stages.printed(&pool, &spans)?;
+    let printed = stages.printed(&pool, &spans)?.layers;
     let (hanging, places) = stages.needs(&pool, &spans[..printed], &around)?;
     limits::go_on()?;
     Ok(Survey {

@@ -81,7 +81,7 @@ impl<'a> Base<'a> {
             Gauge::new(model, &plans.used, count.max(1), options.report)?;
         let stages = Stages::new(model, plans, around, gauge, spans)?;
         let printed = stages.printed(pool, spans)?;
-        if printed == 0 {
+        if printed.layers == 0 {
             return Err(SliceError::NothingToPrint {
                 layers: spans.len(),
                 line: plans.walls.outer,
@@ -90,7 +90,8 @@ impl<'a> Base<'a> {
         Ok(Planned {
             part,
             stages,
-            spans: &spans[..printed],
+            spans: &spans[..printed.layers],
+            top: printed.top,
         })
     }
 }
@@ -106,6 +107,8 @@ pub(super) struct Planned<'a> {
     pub stages: Stages<'a>,
     /// The layers up to the highest that prints.
     pub spans: &'a [LayerSpan],
+    /// Top of the highest layer in which the part has anything at all, mm.
+    pub top: Mm,
 }
 
 impl<'a> Planned<'a> {

@@ -27,6 +27,7 @@ pub(super) fn skirt_round(job: &Job<'_>) -> Result<Option<Skirt>, SliceError> {
         part,
         stages,
         spans,
+        ..
     } in &job.parts
     {
         let beside = if bed.shield {

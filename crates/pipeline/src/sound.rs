@@ -65,7 +65,7 @@ impl Found {
         }
     }
 
-    fn is_blank(&self) -> bool {
+    pub(super) fn is_blank(&self) -> bool {
         self.solid <= 0.0 && self.dropped == 0
     }
 

@@ -175,6 +175,7 @@ impl Summary {
             part,
             stages,
             spans,
+            ..
         } = planned;
         let copies = part.places.len();
         let top = spans.last().map_or(0.0, |span| span.top);

@@ -57,7 +57,11 @@ impl<'a> PartSums<'a> {
             part,
             stages,
             spans,
+            top,
         } = planned;
+        let highest = spans.last().map_or(0.0, |span| span.top);
+        let is_last = layers.end >= spans.len();
+        let bare = if is_last { [highest, *top] } else { [0.0; 2] };
         PartSums {
             part,
             plans: stages.plans,
@@ -68,7 +72,10 @@ impl<'a> PartSums<'a> {
             timings: &stages.timings,
             beads: 0,
             infill: InfillCount::default(),
-            tally: Tally::default(),
+            tally: Tally {
+                bare,
+                ..Tally::default()
+            },
             hanging: overhangs::Tracker::default(),
             foot: None,
             warnings: Vec::new(),

@@ -24,8 +24,8 @@ pub(super) struct Tally {
     layers: usize,
     empty: usize,
     bridged: usize,
-    /// Where the empty layers since the last one that was not empty begin and end.
-    bare: Option<(Mm, Mm)>,
+    /// Where the highest layers begin and end of which nothing is printed, mm.
+    pub bare: [Mm; 2],
     /// True if nothing is printed in the first layer.
     pub floats: bool,
 }
@@ -45,11 +45,8 @@ impl Tally {
         self.layers += 1;
         if empty {
             self.empty += 1;
-            let from = self.bare.map_or(layer.span.bottom, |bare| bare.0);
-            self.bare = Some((from, layer.span.top));
         } else {
             self.bridged += std::mem::take(&mut self.empty);
-            self.bare = None;
         }
     }
 
@@ -75,8 +72,8 @@ impl Tally {
                 self.bridged, self.layers
             ));
         }
-        let high = |(from, to): &(Mm, Mm)| to - from >= HIGH;
-        if let Some((from, to)) = self.bare.filter(high) {
+        let [from, to] = self.bare;
+        if to - from >= HIGH {
             warnings.push(format!(
                 "the highest {:.1} mm of the part, above z = {from:.2} mm, are \
                  thinner than any line and are left out; {remedy}",

@@ -38,9 +38,9 @@ impl Hanging {
         if inside.largest >= ISLAND {
             all.push(format!(
                 "what begins at {} hangs in a cavity of the part{}: nothing \
-                 holds it while it is printed, and a support could hardly be \
-                 taken out; turn the part, or give the cavity a hole through \
-                 which supports fit, and set supports = \"auto\"",
+                 holds it while it is printed; if the cavity is open below or \
+                 above, set supports = \"auto\", otherwise turn the part, or give \
+                 the cavity a hole through which supports can be taken out",
                 place(inside),
                 others(inside.count)
             ));

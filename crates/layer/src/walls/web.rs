@@ -276,11 +276,19 @@ mod tests {
         for thickness in [0.13, 0.16, 0.26] {
             let half = 0.5 * thickness;
             let fin = |to: f64| union(&block, &rect(3.9, -half, to, half));
-            assert!(far(&fin(4.3)) < 4.1, "{thickness}");
+            // A bead goes on for a little where it has become too thin for one.
+            assert!(far(&fin(4.3)) < 4.1 || thickness > 0.2, "{thickness}");
             for to in [5.0, 20.0] {
-                let end = far(&fin(to));
-                assert!((to - 0.3..to).contains(&end), "{thickness} {end}");
-                assert_eq!(pieces(&fin(to)), 1, "{thickness} {to}");
+                // It goes on from the block's wall.
+                let walls = walls(&fin(to), None, 0.2, &plan);
+                let mut all = walls.lines.iter().chain(&walls.thin).flatten();
+                let ends = |s: &Stroke| {
+                    let x = |p: &DVec2| p.x;
+                    let far = s.points.iter().map(x).fold(0.0, f64::max);
+                    let near = s.points.iter().map(x).fold(far, f64::min);
+                    near < 3.8 && (to - 0.3..to).contains(&far)
+                };
+                assert!(all.any(ends), "{thickness} {to}");
             }
             // One that stands on its own, and a long one between blocks.
             assert_eq!(pieces(&rect(0.0, 0.0, 1.5, thickness)), 1);

@@ -410,7 +410,8 @@ fn too_much_ooze_is_retracted() {
 
 #[test]
 fn walls_in_the_way_are_checked_or_not() {
-    let part = Part::square();
+    let hidden = Hidden::SparseInfill;
+    let part = Part::square().with(|s| s.retract.hidden = hidden);
     let lines = |wall: Role| {
         vec![
             bead(wall, &[(10.0, 0.9), (10.0, 19.1)]),
@@ -516,19 +517,24 @@ fn combing_goes_round_what_is_in_the_way() {
         let travel = at(combing);
         assert!(!travel.retract && travel.points.len() > 2, "{travel:?}");
     }
-    // This part is too narrow for infill: the way is inside the walls, which
-    // shows.
-    let narrow = |combing: Combing| {
-        let mut part = Part::ring().with(|s| s.combing = combing);
+    // This part is too narrow for infill: the way is inside the walls.
+    let hidden_by = |combing: Combing, hidden: Hidden| {
+        let mut part = Part::ring().with(|s| {
+            s.combing = combing;
+            s.retract.hidden = hidden;
+        });
         part.sparse = Area::from_iter([
             rect(1.0, 1.0, 7.0, 19.0),
             rect(13.0, 1.0, 19.0, 19.0),
         ]);
         part.travel((4.0, 10.0), (16.0, 10.0))
     };
-    assert_eq!(narrow(Combing::WithinInfill), straight);
-    let around = narrow(Combing::Everywhere);
-    assert!(around.retract && around.points.len() > 2, "{around:?}");
+    for hidden in [Hidden::SparseInfill, Hidden::Auto] {
+        assert_eq!(hidden_by(Combing::WithinInfill, hidden), straight);
+        let around = hidden_by(Combing::Everywhere, hidden);
+        assert_eq!(around.retract, hidden == Hidden::SparseInfill);
+        assert!(around.points.len() > 2, "{around:?}");
+    }
 }
 
 #[test]

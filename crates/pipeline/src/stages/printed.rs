@@ -7,6 +7,7 @@ use crate::layer::{Inside, Layer};
 use crate::sound::{self, Found};
 use isoslice_base::limits;
 use isoslice_base::parallel;
+use isoslice_base::units::Mm;
 use isoslice_model::contour::field_in;
 use isoslice_planar::Rect;
 use isoslice_settings::layers::LayerSpan;
@@ -19,10 +20,19 @@ struct Looked {
     found: Found,
 }
 
+/// The layers of a part that print.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Printed {
+    /// Number of layers up to the highest one that has something to print.
+    pub layers: usize,
+    /// Top of the highest layer in which the part has anything at all, mm.
+    pub top: Mm,
+}
+
 impl Stages<'_> {
-    /// Number of the part's layers up to the highest one that has something to
-    /// print. The bounds may reach higher than the part, and what is thinner
-    /// than any line is left out.
+    /// The part's layers up to the highest one that has something to print. The
+    /// bounds may reach higher than the part, and what is thinner than any line
+    /// is left out.
     ///
     /// # Errors
     /// If hardly any of the part can be printed: see [`sound`].
@@ -30,16 +40,20 @@ impl Stages<'_> {
         &self,
         pool: &ThreadPool,
         spans: &[LayerSpan],
-    ) -> Result<usize, SliceError> {
+    ) -> Result<Printed, SliceError> {
         // Mostly the last layer is the highest that prints. If it does not
         // print, the others are looked at slab by slab.
         let (below, last) = spans.split_at(spans.len().saturating_sub(1));
         let slabs = below.rchunks(self.slab_layers());
         let mut sampled = false;
+        let mut top: Mm = 0.0;
         for slab in std::iter::once(last).chain(slabs) {
             limits::go_on()?;
             let looked = pool.install(|| self.look_at(slab))?;
             let highest = looked.iter().rposition(|l| l.prints);
+            let all = slab.iter().zip(&looked);
+            let some = all.filter(|(_, l)| !l.found.is_blank());
+            top = some.map(|(span, _)| span.top).fold(top, Mm::max);
             let thin = looked.iter().any(|l| l.found.is_suspicious());
             if thin && !sampled {
                 let found_in = |window: Rect, span: &LayerSpan| {
@@ -50,10 +64,11 @@ impl Stages<'_> {
                 sampled = true;
             }
             if let Some(highest) = highest {
-                return Ok(slab.first().map_or(0, |s| s.index) + highest + 1);
+                let layers = slab.first().map_or(0, |s| s.index) + highest + 1;
+                return Ok(Printed { layers, top });
             }
         }
-        Ok(0)
+        Ok(Printed::default())
     }
 
     /// What there is to print in some layers.
