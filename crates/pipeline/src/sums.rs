@@ -72,10 +72,7 @@ impl<'a> PartSums<'a> {
             timings: &stages.timings,
             beads: 0,
             infill: InfillCount::default(),
-            tally: Tally {
-                bare,
-                ..Tally::default()
-            },
+            tally: Tally::over(bare),
             hanging: overhangs::Tracker::default(),
             foot: None,
             warnings: Vec::new(),

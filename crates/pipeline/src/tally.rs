@@ -25,12 +25,21 @@ pub(super) struct Tally {
     empty: usize,
     bridged: usize,
     /// Where the highest layers begin and end of which nothing is printed, mm.
-    pub bare: [Mm; 2],
+    bare: [Mm; 2],
     /// True if nothing is printed in the first layer.
     pub floats: bool,
 }
 
 impl Tally {
+    /// A tally of no layer. `bare` is where the highest layers begin and end of which
+    /// nothing is printed.
+    pub(super) fn over(bare: [Mm; 2]) -> Tally {
+        Tally {
+            bare,
+            ..Tally::default()
+        }
+    }
+
     /// Counts a layer with gaps of this area. `empty` is true if nothing of the
     /// part is printed in it.
     pub(super) fn add(&mut self, layer: &Layer, gap: Mm2, empty: bool) {

@@ -279,14 +279,14 @@ mod tests {
             // A bead goes on for a little where it has become too thin for one.
             assert!(far(&fin(4.3)) < 4.1 || thickness > 0.2, "{thickness}");
             for to in [5.0, 20.0] {
-                // It goes on from the block's wall.
+                // It begins at the block's wall.
                 let walls = walls(&fin(to), None, 0.2, &plan);
                 let mut all = walls.lines.iter().chain(&walls.thin).flatten();
                 let ends = |s: &Stroke| {
                     let x = |p: &DVec2| p.x;
                     let far = s.points.iter().map(x).fold(0.0, f64::max);
                     let near = s.points.iter().map(x).fold(far, f64::min);
-                    near < 3.8 && (to - 0.3..to).contains(&far)
+                    near < 4.0 && (to - 0.3..to).contains(&far)
                 };
                 assert!(all.any(ends), "{thickness} {to}");
             }
