@@ -232,8 +232,7 @@ impl Flow {
             Below::Bed => !self.rise.has_begun(),
         };
         if tells {
-            let named = step.role != Role::Unknown;
-            self.rise.bead(rise, length, area, step.height, named);
+            self.rise.bead(rise, length, area, step.height, step.role);
         }
     }
 

@@ -11,6 +11,7 @@
 //! rise farther.
 
 use isoslice_base::units::{Mm, Mm2};
+use isoslice_gcode_read::reader::Role;
 
 /// Rises that are closer than this are alike.
 const RISE_STEP: Mm = 0.01;
@@ -66,6 +67,8 @@ struct Layer {
     /// Length of all beads, and their cross-section on average.
     length: Mm,
     area: Mm2,
+    /// What the beads are for, a bit for each role.
+    roles: u32,
 }
 
 /// What is wrong with a layer.
@@ -82,7 +85,8 @@ pub(super) enum Wrong {
 pub(super) struct Rise {
     /// The layer's beads, by how far they rise.
     beads: [Beads; RISES + 1],
-    unnamed: bool,
+    /// What they are for, a bit for each role.
+    roles: u32,
     last: Option<Layer>,
     /// Least width of the beads of a layer. Cells do not tell a wall from the
     /// next one, so that interlocked walls, each half a layer higher or lower than
@@ -96,7 +100,7 @@ impl Default for Rise {
     fn default() -> Self {
         Rise {
             beads: [Beads::default(); RISES + 1],
-            unnamed: false,
+            roles: 0,
             last: None,
             narrowest: None,
             layers: 0,
@@ -106,17 +110,16 @@ impl Default for Rise {
 
 impl Rise {
     /// Takes in a piece of a bead that rises by `rise` above what lies below it.
-    /// `said` is its height by what the file says, and `named` is false if the file
-    /// does not say what the bead is for.
+    /// `said` is its height by what the file says, and `role` what the bead is for.
     pub(super) fn bead(
         &mut self,
         rise: Mm,
         length: Mm,
         area: Mm2,
         said: Mm,
-        named: bool,
+        role: Role,
     ) {
-        self.unnamed |= !named;
+        self.roles |= 1 << role as u32;
         let rise = rise.clamp(0.0, RISES as f64 * RISE_STEP);
         let beads = &mut self.beads[(rise / RISE_STEP + 0.5) as usize];
         beads.length += length;
@@ -139,8 +142,9 @@ impl Rise {
     ) -> Option<Wrong> {
         let here = summed(&self.beads);
         self.beads.fill(Beads::default());
-        let unnamed = std::mem::take(&mut self.unnamed);
-        let here = here?;
+        let roles = std::mem::take(&mut self.roles);
+        let here = Layer { roles, ..here? };
+        let unnamed = roles & 1 << Role::Unknown as u32 != 0;
         let narrowest = self.narrowest.unwrap_or(f64::INFINITY);
         let maybe_raft = unnamed && number <= RAFT;
         // The first layer has a height of its own, and those above it theirs.
@@ -157,8 +161,9 @@ impl Rise {
         self.narrowest = Some(narrowest.min(here.width));
         let last = self.last.replace(here).filter(|_| !maybe_raft)?;
         let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;
-        let same =
-            alike(here.length, last.length) && alike(here.rise, last.rise);
+        let same = here.roles == last.roles
+            && alike(here.length, last.length)
+            && alike(here.rise, last.rise);
         let share = (here.width / last.width).min(here.area / last.area);
         (same && share > FARTHER * steps).then_some(Wrong::Thick { share })
     }
@@ -186,6 +191,7 @@ fn summed(beads: &[Beads]) -> Option<Layer> {
         width: low.volume / low.rise,
         length,
         area: all(|beads| beads.volume) / length,
+        roles: 0,
     })
 }
 
@@ -209,8 +215,13 @@ mod tests {
         let all = layers.iter().filter_map(|&(up, area, length)| {
             number += 1;
             // A tenth lies on others, and the rest over sparse infill.
-            rise.bead(up, 0.1 * length, area, said, named);
-            rise.bead(3.0 * up, 0.9 * length, area, said, named);
+            let role = if named {
+                Role::OuterWall
+            } else {
+                Role::Unknown
+            };
+            rise.bead(up, 0.1 * length, area, said, role);
+            rise.bead(3.0 * up, 0.9 * length, area, said, role);
             Some((number, rise.next_layer(number, 1.0)?))
         });
         all.collect()
@@ -260,5 +271,13 @@ mod tests {
         // Other beads may be as thick as they like.
         layers[15..].fill((0.2, 0.16, 80.0));
         assert_eq!(found(&layers, true), []);
+        // So may skin that comes where there was a wall.
+        let mut rise = Rise::default();
+        for (area, role) in
+            [(0.08, Role::OuterWall), (0.16, Role::InternalSkin)]
+        {
+            rise.bead(0.2, 100.0, area, 0.2, role);
+            assert_eq!(rise.next_layer(5, 1.0), None);
+        }
     }
 }

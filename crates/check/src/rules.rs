@@ -82,6 +82,9 @@ impl Rules {
         // more than 8 squares of itself.
         let refuses = settings.gcode.flavour.firmware().refuses;
         let section = refuses.map_or(8.0, |r| r.section);
+        let walls = nozzle
+            .max(settings.outer_wall_width())
+            .max(settings.inner_wall_width());
         Rules {
             bed: DVec2::new(printer.bed_x, printer.bed_y),
             height: printer.height,
@@ -96,9 +99,7 @@ impl Rules {
             prime: MORE + settings.retract.extra_prime.max(0.0),
             flow: spread(flow(settings), settings),
             widths: spread(widths(settings), settings),
-            walls: nozzle
-                .max(settings.outer_wall_width())
-                .max(settings.inner_wall_width()),
+            walls: spread([walls; 2], settings)[1],
             travel: settings.travel_speed(),
             base: 0.0,
             speed: printer.max_speed,
