@@ -302,3 +302,44 @@ fn what_a_spiral_leaves_out_is_told() {
         assert!(told.contains(word), "{told}");
     }
 }
+
+/// Parts with inner corners, and such whose wall moves along itself from layer to
+/// layer.
+#[test]
+fn it_never_folds_back() {
+    let bodies = [
+        // An L, a plus that twists, and flutes as steep as threads.
+        "max(max(abs(x) - 8, abs(y) - 8), -max(x, y))",
+        "min(max(abs(x*cos(z/6) + y*sin(z/6)) - 9, abs(y*cos(z/6) - x*sin(z/6)) - 3), \
+         max(abs(x*cos(z/6) + y*sin(z/6)) - 3, abs(y*cos(z/6) - x*sin(z/6)) - 9))",
+        "sqrt(x^2 + y^2) - 12 - 0.8*sin(20*(atan2(y, x) + z/12))",
+        // A notch that moves by 0.3 mm a layer.
+        "max(max(abs(x), abs(y)) - 9, 2 - max(abs(x - 1.5*(z - 2)), 5 - y))",
+    ];
+    for body in bodies {
+        let part = format!("max({body}, max(-z, z - 4))");
+        let (model, settings) = common::part(&part, &asked(&[]));
+        let (gcode, _) = common::slice(&model, &settings, 2);
+        let (steps, _) = turns(&gcode, 2);
+        let level = |s: &Step| (s.1 - s.0).truncate();
+        let long: Vec<&Step> =
+            steps.iter().filter(|s| level(s).length() > 0.01).collect();
+        for pair in long.windows(2) {
+            let [a, b] = [level(pair[0]), level(pair[1])];
+            // The part's own corners turn by 90°.
+            let turn = a.angle_to(b).abs().to_degrees();
+            assert!(turn < 110.0, "{body}: {turn} at {}", pair[1].0);
+        }
+        // The wall is as long as the walls of flat layers.
+        let flat = asked(&["spiral=false", "walls=1", "infill_density=0"]);
+        let flat = [&flat[..], &["bottom_layers=0", "top_layers=0"]].concat();
+        let (model, settings) = common::part(&part, &flat);
+        let (gcode, _) = common::slice(&model, &settings, 2);
+        let (walls, _) = turns(&gcode, 2);
+        let length = |all: &[Step]| all.iter().map(|s| level(s).length()).sum();
+        // The first of them is the last one of the vase, too.
+        let (climb, flat): (f64, f64) = (length(&steps), length(&walls));
+        let share = climb / (flat * 19.0 / 18.0) - 1.0;
+        assert!(share.abs() < 0.02, "{body}: {share}");
+    }
+}

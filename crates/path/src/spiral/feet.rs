@@ -15,7 +15,7 @@
 //! et al. 1972). So no turn folds back on itself, whatever the part does from
 //! one layer to the next.
 
-use super::ring::{Point, is_corner, sides};
+use super::ring::{Point, corner, sides};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::grid::EdgeGrid;
@@ -51,23 +51,22 @@ pub(super) fn feet(points: &[Point], below: &[DVec2]) -> Vec<DVec2> {
         length += a.distance(b);
         ends.push(length);
     }
-    let corners: Vec<usize> = (0..below.len())
-        .filter(|&i| is_corner(below, i) != 0.0)
-        .collect();
+    // Corners to the right, and those to the left.
+    let corners = [false, true].map(|left| {
+        let turns = (0..below.len()).map(|i| (i, corner(below, i)));
+        let own = turns.filter(|(_, turn)| is_left(*turn) == Some(left));
+        EdgeGrid::of(own.map(|(i, _)| (i, (below[i], below[i]))), CELL)
+    });
     let position = |p: &Point| -> (Mm, f64) {
         let Some((side, foot)) = foot(&grid, p) else {
             return (p.share * length, 1.0);
         };
         let reach = CORNER_REACH * foot.distance(p.at);
-        let same = |i: &&usize| is_corner(below, **i) * p.corner > 0.0;
-        let away = |i: &usize| below[*i].distance(p.at);
-        let beside = corners
-            .iter()
-            .filter(same)
-            .filter(|i| away(i) <= reach)
-            .min_by(|i, j| away(i).total_cmp(&away(j)));
+        let beside = is_left(p.corner).and_then(|left| {
+            corners[usize::from(left)].nearest_within(p.at, reach)
+        });
         match beside {
-            Some(&i) => (ends[i], WEIGHTS[0]),
+            Some((i, _)) => (ends[i], WEIGHTS[0]),
             None => (ends[side] + below[side].distance(foot), 1.0),
         }
     };
@@ -91,6 +90,11 @@ pub(super) fn feet(points: &[Point], below: &[DVec2]) -> Vec<DVec2> {
         a.lerp(b, share.clamp(0.0, 1.0))
     };
     in_order(positions).map(at).collect()
+}
+
+/// True for a corner to the left, false for one to the right, and none for no corner.
+fn is_left(corner: f64) -> Option<bool> {
+    (corner != 0.0).then_some(corner > 0.0)
 }
 
 /// The nearest place of the sides of a line that run about the same way as the turn

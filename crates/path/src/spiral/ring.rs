@@ -41,7 +41,7 @@ fn directions(ring: &[DVec2], i: usize) -> [DVec2; 2] {
 
 /// Greater than 0 if a ring has a corner to the left at a point, less than 0 if it has
 /// one to the right, and 0 if it has none there.
-pub(super) fn is_corner(ring: &[DVec2], i: usize) -> f64 {
+pub(super) fn corner(ring: &[DVec2], i: usize) -> f64 {
     let [before, after] = directions(ring, i);
     let turn = before.angle_to(after);
     if turn.abs() > CORNER { turn } else { 0.0 }
@@ -70,7 +70,7 @@ pub(super) fn points(ring: &[DVec2]) -> Vec<Point> {
             at: a,
             share: done / length,
             along: before + after,
-            corner: is_corner(ring, i),
+            corner: corner(ring, i),
         });
         let step = a.distance(b);
         let count = (step / STEP).ceil().max(1.0);
