@@ -56,12 +56,31 @@ pub fn map_apart<T: Send>(
     f: impl Fn(usize) -> T + Sync,
 ) -> Vec<T> {
     let made = cells((0..count).map(|_| None));
+    each_apart(count, &|i| *open(&made[i]) = Some(f(i)));
+    contents(made)
+}
+
+/// Changes each of some items by `f`, which also gets the item's number.
+pub fn change<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
+    let items = cells(items);
+    each(items.len(), &|i| f(i, &mut open(&items[i])));
+}
+
+fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
+    (0..count).into_par_iter().for_each(f);
+}
+
+fn each_in(pool: &ThreadPool, count: usize, f: &(dyn Fn(usize) + Sync)) {
+    pool.install(|| each(count, f));
+}
+
+fn each_apart(count: usize, f: &(dyn Fn(usize) + Sync)) {
     let next = AtomicUsize::new(0);
     let work = || {
         let numbers =
             iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
         for i in numbers.take_while(|i| *i < count) {
-            *open(&made[i]) = Some(f(i));
+            f(i);
         }
         // A thread's processor time counts from where it asks.
         let _ = limits::is_stopped();
@@ -83,21 +102,6 @@ pub fn map_apart<T: Send>(
             }
         }
     });
-    contents(made)
-}
-
-/// Changes each of some items by `f`, which also gets the item's number.
-pub fn change<T: Send>(items: &mut [T], f: impl Fn(usize, &mut T) + Sync) {
-    let items = cells(items);
-    each(items.len(), &|i| f(i, &mut open(&items[i])));
-}
-
-fn each(count: usize, f: &(dyn Fn(usize) + Sync)) {
-    (0..count).into_par_iter().for_each(f);
-}
-
-fn each_in(pool: &ThreadPool, count: usize, f: &(dyn Fn(usize) + Sync)) {
-    pool.install(|| each(count, f));
 }
 
 /// Places that only one thread has at a time.
