@@ -5,6 +5,7 @@
 //! `{if printer_notes=~/.*MK3.*/}` is decided once the notes are known. So the
 //! slicer that reads the template later needs neither notes nor patterns.
 
+use crate::template::FIRST_TOOL;
 use crate::values::{Values, parse};
 use regex_lite::RegexBuilder;
 
@@ -317,15 +318,7 @@ fn is_name(text: &str) -> bool {
 
 /// True if an index names the only extruder.
 fn is_first(index: &str) -> bool {
-    matches!(
-        index,
-        "0" | "initial_tool"
-            | "initial_extruder"
-            | "initial_no_support_extruder"
-            | "current_extruder"
-            | "filament_extruder_id"
-            | "current_tool"
-    )
+    FIRST_TOOL.contains(&index) || index == "filament_extruder_id"
 }
 
 #[cfg(test)]

@@ -103,7 +103,7 @@ pub(super) static ROWS: &[Row] = rows! {
             => To("retract.length", As::Number);
         "filament_retract_speed", "filament_retraction_speed",
             "filament_deretract_speed", "filament_deretraction_speed"
-            => made(make::filament_retract_speeds,
+            => made(|given| make::retract_speeds(given, "filament_"),
                 &["retract.speed", "retract.prime_speed"],
                 "0 for pushing forward is as fast as pulling back");
         "filament_retract_before_travel", "filament_retraction_minimum_travel"
@@ -114,10 +114,10 @@ pub(super) static ROWS: &[Row] = rows! {
             => To("retract.extra_prime", As::Number);
         "filament_retract_lift", "filament_z_hop",
             "filament_travel_ramping_lift", "filament_travel_max_lift"
-            => made(make::filament_z_hop, &["retract.z_hop"],
+            => made(|given| make::z_hop(given, "filament_"), &["retract.z_hop"],
                 "of lifts that ramp up the greatest");
         "filament_wipe", "filament_wipe_distance"
-            => made(make::filament_wipe, &["retract.wipe"],
+            => made(|given| make::wipe(given, "filament_"), &["retract.wipe"],
                 "2 mm if no distance is given");
         "filament_shrink", "filament_shrinkage_compensation_xy",
             "filament_shrinkage_compensation_z"

@@ -65,16 +65,11 @@ pub(super) fn bed(given: &Given<'_>) -> Outcome {
             }
         }
     }
-    let over = |of: fn(&(f64, f64)) -> f64, least: bool| {
-        let all = corners.iter().map(of);
-        if least {
-            all.fold(f64::INFINITY, f64::min)
-        } else {
-            all.fold(f64::NEG_INFINITY, f64::max)
-        }
-    };
-    let (x0, y0) = (over(|c| c.0, true), over(|c| c.1, true));
-    let (x1, y1) = (over(|c| c.0, false), over(|c| c.1, false));
+    let all = |of: fn(&(f64, f64)) -> f64| corners.iter().map(of);
+    let least = |of| all(of).fold(f64::INFINITY, f64::min);
+    let most = |of| all(of).fold(f64::NEG_INFINITY, f64::max);
+    let (x0, y0) = (least(|c| c.0), least(|c| c.1));
+    let (x1, y1) = (most(|c| c.0), most(|c| c.1));
     if x0 < -ABOUT_ZERO || y0 < -ABOUT_ZERO {
         return lost(
             "the bed's zero is not at its front left corner, but isoslice's \
@@ -274,68 +269,41 @@ pub(super) fn thumbnails(given: &Given<'_>) -> Outcome {
     Outcome::set("gcode.thumbnails", sizes.join(", "))
 }
 
-fn two_speeds(given: &Given<'_>, back: &[&str], forward: &[&str]) -> Outcome {
-    let back = positive(given, back);
-    let forward = positive(given, forward).or(back);
-    Outcome::known([("retract.speed", back), ("retract.prime_speed", forward)])
+/// The speeds of a retraction. `of` is what the keys begin with, nothing for those
+/// of the printer.
+pub(super) fn retract_speeds(given: &Given<'_>, of: &str) -> Outcome {
+    let speed = |keys: &[&str]| {
+        let mut all = keys.iter().map(|key| format!("{of}{key}"));
+        all.find_map(|key| given.number(&key)).filter(|x| *x > 0.0)
+    };
+    let back = speed(&["retract_speed", "retraction_speed"]);
+    let forward =
+        speed(&["deretract_speed", "deretraction_speed", "detraction_speed"]);
+    Outcome::known([
+        ("retract.speed", back),
+        ("retract.prime_speed", forward.or(back)),
+    ])
 }
 
-pub(super) fn retract_speeds(given: &Given<'_>) -> Outcome {
-    two_speeds(
-        given,
-        &["retract_speed", "retraction_speed"],
-        &["deretract_speed", "deretraction_speed", "detraction_speed"],
-    )
-}
-
-pub(super) fn filament_retract_speeds(given: &Given<'_>) -> Outcome {
-    two_speeds(
-        given,
-        &["filament_retract_speed", "filament_retraction_speed"],
-        &["filament_deretract_speed", "filament_deretraction_speed"],
-    )
-}
-
-fn hop(given: &Given<'_>, lift: &[&str], ramps: &str, most: &str) -> Outcome {
-    let ramped = given.positive(most).filter(|_| given.on(ramps));
-    let lift = ramped.or(number(given, lift));
+/// How far the nozzle is lifted. The keys begin as in [`retract_speeds`].
+pub(super) fn z_hop(given: &Given<'_>, of: &str) -> Outcome {
+    let lift = |key| given.number(&format!("{of}{key}"));
+    let ramps = given.on(&format!("{of}travel_ramping_lift"));
+    let ramped = lift("travel_max_lift").filter(|l| ramps && *l > 0.0);
+    let lift = ramped.or(lift("retract_lift")).or(lift("z_hop"));
     Outcome::known([("retract.z_hop", lift)])
 }
 
-pub(super) fn z_hop(given: &Given<'_>) -> Outcome {
-    hop(
-        given,
-        &["retract_lift", "z_hop"],
-        "travel_ramping_lift",
-        "travel_max_lift",
-    )
-}
-
-pub(super) fn filament_z_hop(given: &Given<'_>) -> Outcome {
-    hop(
-        given,
-        &["filament_retract_lift", "filament_z_hop"],
-        "filament_travel_ramping_lift",
-        "filament_travel_max_lift",
-    )
-}
-
-fn wiping(given: &Given<'_>, wipe: &str, distance: &str) -> Outcome {
-    let length = given.number(distance).unwrap_or(USUAL_WIPE);
-    let length = match given.switch(wipe) {
-        Some(true) => length,
-        Some(false) => 0.0,
-        None => return nothing("whether to wipe is not said"),
-    };
-    Outcome::set("retract.wipe", length)
-}
-
-pub(super) fn wipe(given: &Given<'_>) -> Outcome {
-    wiping(given, "wipe", "wipe_distance")
-}
-
-pub(super) fn filament_wipe(given: &Given<'_>) -> Outcome {
-    wiping(given, "filament_wipe", "filament_wipe_distance")
+/// How far the nozzle wipes. The keys begin as in [`retract_speeds`].
+pub(super) fn wipe(given: &Given<'_>, of: &str) -> Outcome {
+    let length = given.number(&format!("{of}wipe_distance"));
+    match given.switch(&format!("{of}wipe")) {
+        Some(true) => {
+            Outcome::set("retract.wipe", length.unwrap_or(USUAL_WIPE))
+        }
+        Some(false) => Outcome::set("retract.wipe", 0.0),
+        None => nothing("whether to wipe is not said"),
+    }
 }
 
 pub(super) fn max_flow(given: &Given<'_>) -> Outcome {
@@ -596,7 +564,8 @@ pub(super) fn widths(given: &Given<'_>) -> Outcome {
     Outcome::of(out)
 }
 
-fn shell(
+/// A number of solid layers, or their thickness.
+pub(super) fn shell(
     given: &Given<'_>,
     layers: &[&str],
     thickness: &[&str],
@@ -617,24 +586,6 @@ fn shell(
         (None, Some(t)) => thick(t),
         (None, None) => nothing("it leaves the choice to the slicer"),
     }
-}
-
-pub(super) fn top(given: &Given<'_>) -> Outcome {
-    shell(
-        given,
-        &["top_solid_layers", "top_shell_layers"],
-        &["top_solid_min_thickness", "top_shell_thickness"],
-        "top_layers",
-    )
-}
-
-pub(super) fn bottom(given: &Given<'_>) -> Outcome {
-    shell(
-        given,
-        &["bottom_solid_layers", "bottom_shell_layers"],
-        &["bottom_solid_min_thickness", "bottom_shell_thickness"],
-        "bottom_layers",
-    )
 }
 
 pub(super) fn angle(given: &Given<'_>) -> Outcome {
@@ -778,7 +729,8 @@ pub(super) fn ironing(given: &Given<'_>) -> Outcome {
     }
 }
 
-fn same_for(
+/// Two settings of one value.
+pub(super) fn same_for(
     given: &Given<'_>,
     keys: &[&str],
     names: [&'static str; 2],
@@ -793,25 +745,6 @@ fn same_for(
         Ok(_) => nothing("it leaves the choice to the slicer"),
         Err(why) => Outcome::Lost(why),
     }
-}
-
-pub(super) fn solid_speed(given: &Given<'_>) -> Outcome {
-    same_for(
-        given,
-        &["solid_infill_speed", "internal_solid_infill_speed"],
-        ["speed.internal_skin", "speed.bottom_skin"],
-    )
-}
-
-pub(super) fn solid_acceleration(given: &Given<'_>) -> Outcome {
-    same_for(
-        given,
-        &[
-            "solid_infill_acceleration",
-            "internal_solid_infill_acceleration",
-        ],
-        ["acceleration.internal_skin", "acceleration.bottom_skin"],
-    )
 }
 
 pub(super) fn small_length(given: &Given<'_>) -> Outcome {
@@ -981,17 +914,14 @@ pub(super) fn support_density(given: &Given<'_>) -> Outcome {
         "line_width",
         "nozzle_diameter",
     ];
-    let mut width = None;
-    for key in keys {
-        match given.amount(key) {
-            Ok(Some(w)) if w > 0.0 => {
-                width = Some(w);
-                break;
-            }
-            Ok(_) => {}
-            Err(why) => return lost(why),
-        }
-    }
+    let above_zero = |key: &&str| {
+        let amount = given.amount(key);
+        amount.map(|w| w.filter(|w| *w > 0.0)).transpose()
+    };
+    let width = match keys.iter().find_map(above_zero).transpose() {
+        Ok(width) => width,
+        Err(why) => return lost(why),
+    };
     let mut out = Vec::new();
     let both: [(_, [&str; 2]); 2] = [
         (

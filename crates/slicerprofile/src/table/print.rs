@@ -36,11 +36,21 @@ pub(super) static ROWS: &[Row] = rows! {
                  shares, those of the layer's height become lengths");
         "top_solid_layers", "top_shell_layers", "top_solid_min_thickness",
             "top_shell_thickness"
-            => made(make::top, &["top_layers"],
+            => made(
+                |given| make::shell(given,
+                    &["top_solid_layers", "top_shell_layers"],
+                    &["top_solid_min_thickness", "top_shell_thickness"],
+                    "top_layers"),
+                &["top_layers"],
                 "whichever is more with the profile's layers");
         "bottom_solid_layers", "bottom_shell_layers",
             "bottom_solid_min_thickness", "bottom_shell_thickness"
-            => made(make::bottom, &["bottom_layers"],
+            => made(
+                |given| make::shell(given,
+                    &["bottom_solid_layers", "bottom_shell_layers"],
+                    &["bottom_solid_min_thickness", "bottom_shell_thickness"],
+                    "bottom_layers"),
+                &["bottom_layers"],
                 "whichever is more with the profile's layers");
         "fill_density", "sparse_infill_density"
             => To("infill_density", As::Percent);
@@ -102,7 +112,10 @@ pub(super) static ROWS: &[Row] = rows! {
         "infill_speed", "sparse_infill_speed"
             => To("speed.sparse_infill", As::Amount);
         "solid_infill_speed", "internal_solid_infill_speed"
-            => made(make::solid_speed,
+            => made(
+                |given| make::same_for(given,
+                    &["solid_infill_speed", "internal_solid_infill_speed"],
+                    ["speed.internal_skin", "speed.bottom_skin"]),
                 &["speed.internal_skin", "speed.bottom_skin"],
                 "shares become numbers; 0 leaves it");
         "top_solid_infill_speed", "top_surface_speed"
@@ -156,7 +169,12 @@ pub(super) static ROWS: &[Row] = rows! {
         "infill_acceleration", "sparse_infill_acceleration"
             => To("acceleration.sparse_infill", As::Amount);
         "solid_infill_acceleration", "internal_solid_infill_acceleration"
-            => made(make::solid_acceleration,
+            => made(
+                |given| make::same_for(given,
+                    &["solid_infill_acceleration",
+                      "internal_solid_infill_acceleration"],
+                    ["acceleration.internal_skin",
+                      "acceleration.bottom_skin"]),
                 &["acceleration.internal_skin", "acceleration.bottom_skin"],
                 "shares become numbers; 0 leaves it");
         "top_solid_infill_acceleration", "top_surface_acceleration"

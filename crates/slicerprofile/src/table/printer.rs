@@ -71,7 +71,7 @@ pub(super) static ROWS: &[Row] = rows! {
             => To("retract.length", As::Number);
         "retract_speed", "retraction_speed", "deretract_speed",
             "deretraction_speed", "detraction_speed"
-            => made(make::retract_speeds,
+            => made(|given| make::retract_speeds(given, ""),
                 &["retract.speed", "retract.prime_speed"],
                 "0 for pushing forward is as fast as pulling back");
         "retract_before_travel", "retraction_minimum_travel"
@@ -79,10 +79,10 @@ pub(super) static ROWS: &[Row] = rows! {
         "retract_before_wipe" => To("retract.before_wipe", As::Percent);
         "retract_restart_extra" => To("retract.extra_prime", As::Number);
         "retract_lift", "z_hop", "travel_ramping_lift", "travel_max_lift"
-            => made(make::z_hop, &["retract.z_hop"],
+            => made(|given| make::z_hop(given, ""), &["retract.z_hop"],
                 "of lifts that ramp up the greatest");
         "wipe", "wipe_distance"
-            => made(make::wipe, &["retract.wipe"],
+            => made(|given| make::wipe(given, ""), &["retract.wipe"],
                 "2 mm if no distance is given");
         "use_firmware_retraction", "use_firmwware_retraction"
             => To("retract.firmware", As::Switch);

@@ -31,7 +31,7 @@ const DEEPEST: usize = 32;
 const LONGEST_REPEATED: usize = 100;
 
 /// Indices that name the only extruder.
-const FIRST_TOOL: [&str; 6] = [
+pub(crate) const FIRST_TOOL: [&str; 6] = [
     "0",
     "initial_tool",
     "initial_extruder",

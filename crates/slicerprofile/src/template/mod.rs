@@ -9,6 +9,7 @@
 mod expression;
 mod names;
 
+pub(crate) use expression::FIRST_TOOL;
 use std::ops::Range;
 
 /// What to write for text that only looks like a placeholder.
