@@ -142,15 +142,15 @@ impl EdgeGrid {
             per_cell: 1.0 / cell,
             columns,
             rows,
-            members: Shelves::new(0, |_| ()),
+            members: Shelves::new(0, &[]),
             insides: OnceLock::new(),
         };
-        grid.members = Shelves::new(columns * rows, |put| {
-            for i in grid.edges() {
-                let (a, b) = grid.edge(i);
-                grid.walk(a, b, |cell| put(cell, i as u32));
-            }
-        });
+        let mut through = Vec::with_capacity(2 * count);
+        for i in grid.edges() {
+            let (a, b) = grid.edge(i);
+            grid.walk(a, b, |cell| through.push((cell as u32, i as u32)));
+        }
+        grid.members = Shelves::new(columns * rows, &through);
         grid
     }
 
