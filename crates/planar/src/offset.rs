@@ -68,7 +68,6 @@ pub fn offset_within(
     if area.is_empty() || distance == 0.0 {
         return area.clone();
     }
-    let grid = solid.grid();
     // Arcs are cut short by the tolerance, and coordinates are rounded.
     let slack = 1.02 * tolerance + 1e-6;
     let clearance = (distance.abs() - slack).max(0.0);
@@ -82,6 +81,11 @@ pub fn offset_within(
         let width = bounds.size().min_element();
         inside_shrinks && width <= 2.0 * distance.abs() + tolerance
     };
+    // Of most small islands nothing is left, and nobody has to look around.
+    if area.rings.iter().all(vanishes) {
+        return Area::EMPTY;
+    }
+    let grid = solid.grid();
     let room = room.filter(|_| distance < 0.0);
     // In a strip thinner than the slack, a side that has moved through the other
     // is no nearer to it than it should be, but lies on its wrong side.
@@ -114,6 +118,7 @@ pub fn offset_within(
             continue;
         }
         let mut passed = Passed::default();
+        let mut covered_by = None;
         for ((a, b), &origin) in super::edges(&m).zip(&origins) {
             let known = match (room, origin) {
                 (Some(room), Some(edge)) => {
@@ -129,7 +134,7 @@ pub fn offset_within(
                     Some(edge) if trim::covers(a, b, grid, edge, clearance) => {
                         State::Covered
                     }
-                    _ => trim::state(a, b, grid, clearance),
+                    _ => trim::state(a, b, grid, clearance, &mut covered_by),
                 }
             };
             states.push(passed.state(

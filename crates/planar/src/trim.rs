@@ -39,22 +39,32 @@ pub(super) enum State {
 }
 
 /// The state of the moved edge from `a` to `b`. `grid` has the origins of all
-/// moved edges, and no origin should be nearer than `clearance`.
+/// moved edges, and no origin should be nearer than `clearance`. `by` is an origin
+/// by which the edge before is covered, if it is, and becomes this edge's.
 pub(super) fn state(
     a: DVec2,
     b: DVec2,
     grid: &EdgeGrid,
     clearance: Mm,
+    by: &mut Option<u32>,
 ) -> State {
+    // In a thin strip, edges are covered by one origin after another. Only where
+    // these do not cover it, all that are near are looked at.
+    let covers = |edge: &u32| covers(a, b, grid, *edge, clearance);
+    let beside = by.take().map(|last| grid.beside(last));
+    *by = beside.and_then(|mut beside| beside.find(covers));
+    if by.is_some() {
+        return State::Covered;
+    }
     let mut state = State::Clear;
     grid.near(a, b, clearance, |edge| {
-        let covered = covers(a, b, grid, edge as u32, clearance);
-        state = if covered {
+        *by = Some(edge as u32).filter(covers);
+        state = if by.is_some() {
             State::Covered
         } else {
             State::Mixed
         };
-        !covered
+        by.is_none()
     });
     state
 }
@@ -200,17 +210,21 @@ impl Moved<'_> {
         let ends = loose.iter().map(|&p| (0, (p, p)));
         let ends = EdgeGrid::of(ends, AROUND);
         let mut edge = 0;
+        let mut differs = false;
         for ring in self.rings {
             for (a, b) in super::edges(ring) {
                 let (lo, hi) = (a.min(b) - AROUND, a.max(b) + AROUND);
                 if ends.meets(Rect::new(lo, hi)) {
-                    self.states[edge] = state(a, b, self.grid, self.clearance);
+                    let now = state(a, b, self.grid, self.clearance, &mut None);
+                    differs |= !marked[edge] || now != self.states[edge];
+                    self.states[edge] = now;
                     marked[edge] = true;
                 }
                 edge += 1;
             }
         }
-        self.cut_back(&marked).ok()
+        // Of the same edges the same is left.
+        differs.then(|| self.cut_back(&marked).ok()).flatten()
     }
 
     /// What is left of the rings if only marked edges cross.
@@ -596,7 +610,10 @@ mod tests {
             .collect();
         let clearance = by - ALLOWED;
         let all = rings.iter().flat_map(|r| edges(r));
-        let states = all.map(|(a, b)| state(a, b, &grid, clearance)).collect();
+        let mut by = None;
+        let states = all
+            .map(|(a, b)| state(a, b, &grid, clearance, &mut by))
+            .collect();
         Shrunk {
             rings,
             grid,
@@ -641,7 +658,8 @@ mod tests {
         let wall = rect(0.0, 0.0, 10.0, 1.0);
         let grid = EdgeGrid::new(&wall, 1.0);
         let of = |x0: f64, y0: f64, x1: f64, y1: f64| {
-            state(DVec2::new(x0, y0), DVec2::new(x1, y1), &grid, 0.5)
+            let [a, b] = [DVec2::new(x0, y0), DVec2::new(x1, y1)];
+            state(a, b, &grid, 0.5, &mut None)
         };
         assert_eq!(of(2.0, 1.51, 8.0, 1.51), State::Clear);
         assert_eq!(of(2.0, 1.49, 8.0, 1.49), State::Covered);

@@ -81,11 +81,11 @@ pub(super) fn buckets(
     edges: impl Iterator<Item = (DVec2, DVec2)> + Clone,
 ) -> Shelves<u32> {
     let squares = Squares::over(edges.clone());
-    Shelves::new(squares.nx * squares.ny, |put| {
-        for (edge, n) in edges.clone().zip(0..) {
-            squares.visit(edge, |square| put(square, n));
-        }
-    })
+    let mut through = Vec::new();
+    for (edge, n) in edges.zip(0..) {
+        squares.visit(edge, |square| through.push((square as u32, n)));
+    }
+    Shelves::new(squares.nx * squares.ny, &through)
 }
 
 /// Calls `see` for each two edges that pass through one square, as often as they

@@ -65,17 +65,15 @@ impl Nest {
             height,
             count: ((top - bottom) / height) as usize + 1,
         };
-        let edges = Shelves::new(bands.count, |put| {
-            for (i, a, b) in all() {
-                for band in bands.at(a.y.min(b.y))..=bands.at(a.y.max(b.y)) {
-                    put(band, (i, a, b));
-                }
-            }
-        });
+        let mut through = Vec::with_capacity(2 * count);
+        for (i, a, b) in all() {
+            let over = bands.at(a.y.min(b.y))..=bands.at(a.y.max(b.y));
+            through.extend(over.map(|band| (band as u32, (i, a, b))));
+        }
         Nest {
             contents,
+            edges: Shelves::new(bands.count, &through),
             bands,
-            edges,
         }
     }
 

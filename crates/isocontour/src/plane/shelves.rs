@@ -11,23 +11,23 @@ pub struct Shelves<T> {
 }
 
 impl<T: Copy + Default> Shelves<T> {
-    /// So many shelves. `put` names each thing and its shelf, twice in the same
-    /// order: first the things are counted. They keep their order on a shelf.
-    pub fn new(
-        count: usize,
-        put: impl Fn(&mut dyn FnMut(usize, T)),
-    ) -> Shelves<T> {
+    /// So many shelves with things, each of which comes with the number of its
+    /// shelf. They keep their order on a shelf.
+    pub fn new(count: usize, things: &[(u32, T)]) -> Shelves<T> {
         let mut starts = vec![0_u32; count + 1];
-        put(&mut |shelf, _| starts[shelf + 1] += 1);
+        for (shelf, _) in things {
+            starts[*shelf as usize + 1] += 1;
+        }
         for shelf in 0..count {
             starts[shelf + 1] += starts[shelf];
         }
-        let mut list = vec![T::default(); starts[count] as usize];
+        let mut list = vec![T::default(); things.len()];
         let mut free = starts.clone();
-        put(&mut |shelf, thing| {
-            list[free[shelf] as usize] = thing;
-            free[shelf] += 1;
-        });
+        for &(shelf, thing) in things {
+            let place = &mut free[shelf as usize];
+            list[*place as usize] = thing;
+            *place += 1;
+        }
         Shelves { starts, list }
     }
 

@@ -68,12 +68,13 @@ pub fn simplify_but(
         all: &points,
         closed: true,
     };
+    let half = GATE * tolerance;
     let corner = |k: usize| points.turns(k) || stays(points.at(k));
     let walk = Walk {
         points,
-        half: GATE * tolerance,
+        half,
+        gates: points.gates(half, corner),
         tolerance,
-        corner,
         fits: |_, _| true,
         between: true,
     };
@@ -168,11 +169,12 @@ fn walk(
         closed,
     };
     let half = PATH_GATE * tolerance;
+    let corner = |k| points.turns(k) && points.stands_out(k, half);
     let walk = Walk {
         points,
         half,
+        gates: points.gates(half, corner),
         tolerance,
-        corner: |k| points.turns(k) && points.stands_out(k, half),
         fits: |i, j| fits(first + i, first + j),
         between,
     };

@@ -37,14 +37,23 @@ impl Way {
         tolerance: Mm,
         shows: bool,
     ) -> Way {
+        // As many places as there are if only the length divides the segments.
+        let n = stroke.points.len();
+        let steps = (stroke.length() / step).min(PARTS * n as f64);
+        let room = steps as usize + n + 1;
+        let list = || Vec::with_capacity(room);
         let mut way = Way {
-            points: stroke.points.first().copied().into_iter().collect(),
-            widths: vec![stroke.width_at(0)],
+            points: Vec::with_capacity(room),
+            widths: list(),
             corners: Vec::new(),
-            even: Vec::new(),
-            length: vec![0.0],
-            content: vec![0.0],
+            even: Vec::with_capacity(room),
+            length: list(),
+            content: list(),
         };
+        way.points.extend(stroke.points.first());
+        way.widths.push(stroke.width_at(0));
+        way.length.push(0.0);
+        way.content.push(0.0);
         let (mut length, mut content) = (0.0, 0.0);
         for (i, (a, b)) in stroke.segments().enumerate() {
             let (from, to) = (stroke.width_at(i), stroke.width_at(i + 1));

@@ -153,8 +153,8 @@ impl Filler<'_> {
         // it.
         let hidden = sides.only().is_none_or(|r| r == Role::InternalSkin);
         let gap = hidden
-            && !is_wider(island, lay.limit, TOLERANCE)
-            && self.is_between_walls(island);
+            && self.is_between_walls(island)
+            && !is_wider(island, lay.limit, TOLERANCE);
         let role = |stroke: &Stroke| match sides.most(stroke) {
             Role::InternalSkin if gap => Role::GapFill,
             role => role,

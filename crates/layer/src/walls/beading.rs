@@ -21,6 +21,7 @@ use super::Lay;
 use super::medial_axis::Axis;
 use super::web;
 use isoslice_base::units::Mm;
+use std::cell::OnceCell;
 
 /// Factor by which a single bead goes on narrower than its bound.
 pub(crate) const NARROW: f64 = 1.25;
@@ -120,8 +121,9 @@ pub(super) struct Beadings {
     /// The thicknesses at which costs change, in order.
     bounds: Vec<Mm>,
     /// For each stretch of thicknesses between bounds, the costs of the borders
-    /// between numbers: an axis asks for each of them at each of its points.
-    borders: Vec<Vec<f64>>,
+    /// between numbers, once an axis has asked: it asks for each of them at each of
+    /// its points.
+    borders: OnceCell<Vec<Vec<f64>>>,
 }
 
 impl Beadings {
@@ -181,21 +183,13 @@ impl Beadings {
         let mut bounds: Vec<Mm> = beadings.iter().flat_map(of).collect();
         bounds.sort_by(f64::total_cmp);
         bounds.dedup();
-        let beadings = Beadings {
+        Beadings {
             beadings,
             tips: None,
             shared: None,
             bounds,
-            borders: Vec::new(),
-        };
-        beadings.with_borders()
-    }
-
-    fn with_borders(mut self) -> Beadings {
-        // What lies between two bounds costs the same as its end does.
-        let ends = self.bounds.iter().copied().chain([f64::INFINITY]);
-        self.borders = ends.map(|t| self.borders_at(t)).collect();
-        self
+            borders: OnceCell::new(),
+        }
     }
 
     /// The costs of all borders where the area has a thickness, those to the same number
@@ -235,7 +229,7 @@ impl Beadings {
         self.shared = Some(shared);
         self.bounds.extend([depth + whole, stays, corner, upto]);
         self.bounds.sort_by(f64::total_cmp);
-        self.with_borders()
+        self
     }
 
     /// The numbers where the loop of the first wall leads into tips, down to a
@@ -244,7 +238,7 @@ impl Beadings {
         self.tips = Some(least);
         let at = self.bounds.partition_point(|b| *b < least);
         self.bounds.insert(at, least);
-        self.with_borders()
+        self
     }
 
     /// The number of beads from which on a place is too thick to matter.
@@ -486,8 +480,13 @@ impl Beadings {
 
     /// What `borders_at` gives.
     fn borders(&self, thickness: Mm) -> &[f64] {
+        // What lies between two bounds costs the same as its end does.
+        let all = self.borders.get_or_init(|| {
+            let ends = self.bounds.iter().copied().chain([f64::INFINITY]);
+            ends.map(|t| self.borders_at(t)).collect()
+        });
         let between = self.bounds.partition_point(|b| *b < thickness);
-        self.borders.get(between).map_or(&[], Vec::as_slice)
+        all.get(between).map_or(&[], Vec::as_slice)
     }
 
     /// For each segment of an axis, true if it is in a tip that the loop of the first

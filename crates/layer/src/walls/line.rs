@@ -405,7 +405,8 @@ fn widen(
     lines.into_iter().map(widen).collect()
 }
 
-/// The places of a line, which are close together where axes come near to it.
+/// The places of a line, which are close together where axes come near to it; none if
+/// they do so nowhere.
 /// `station` gets a place, the way across the line there, the line's width, and the
 /// axes' segments within `reach`.
 pub(super) fn stations(
@@ -415,13 +416,17 @@ pub(super) fn stations(
     station: impl Fn(DVec2, DVec2, Mm, &[u32]) -> Station,
 ) -> Vec<Station> {
     let n = line.points.len();
+    let segments = if line.closed { n } else { n.saturating_sub(1) };
+    let is_clear = |k| index.group_clear(&line.points, k, reach);
+    if (0..segments).step_by(GROUP).all(is_clear) {
+        return Vec::new();
+    }
     let mut places: Vec<Station> = Vec::with_capacity(n);
     let mut near = Vec::new();
     let mut clear = false;
-    let segments = if line.closed { n } else { n.saturating_sub(1) };
     for k in 0..segments {
         if k.is_multiple_of(GROUP) {
-            clear = index.group_clear(&line.points, k, reach);
+            clear = is_clear(k);
         }
         let (a, b) = (line.points[k], line.points[(k + 1) % n]);
         let (v, w) = (line.width_at(k), line.width_at(k + 1));

@@ -89,8 +89,19 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
         let places = skeleton.thin_places(&beadings);
         let mut depth = 0.0;
         let mut shared = Vec::new();
+        // Most areas are thin: where nothing is left, nothing lies deeper.
+        let mut ends = false;
+        let mut shrunk = |depth: Mm| {
+            let inner = if ends {
+                Area::EMPTY
+            } else {
+                skeleton.shrunk(depth, tolerance)
+            };
+            ends = inner.is_empty();
+            inner
+        };
         for k in 0..2 {
-            let rings = skeleton.shrunk(depth + plan.centre, tolerance);
+            let rings = shrunk(depth + plan.centre);
             let beads = places.beads(2 * k + 1, depth);
             let rings = places.cut(&rings, k, depth, &plan);
             let slivers = places.beads(2 * k + 2, depth + plan.inner);
@@ -107,7 +118,7 @@ pub fn concentric(area: &Area, plan: Lay, tolerance: Mm) -> Vec<Stroke> {
             depth += plan.inner;
             shared = slivers;
         }
-        let left = skeleton.shrunk(depth, tolerance);
+        let left = shrunk(depth);
         let left = without_slivers(left, &shared, &plan, tolerance);
         // What a hole leaves on its own would grow, not shrink.
         if !(0.0..area.content()).contains(&left.content()) || left.is_empty() {

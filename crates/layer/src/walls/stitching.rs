@@ -21,6 +21,7 @@ use isoslice_base::units::Mm;
 use isoslice_planar::bead::Stroke;
 use isoslice_planar::grid::{EdgeGrid, nearest_on};
 use isoslice_planar::joints::{self, Joints};
+use std::cell::LazyCell;
 
 /// Greatest turn between two strokes that go on in one another, radians.
 const TURN: f64 = 1.75;
@@ -197,7 +198,9 @@ fn pairs(
     let reach = REACH * widest;
     let points = ends.iter().enumerate().map(|(i, e)| (i, (e.at, e.at)));
     let grid = EdgeGrid::of(points, reach);
-    let lines = EdgeGrid::of_lines(strokes.iter().map(Stroke::path), widest);
+    let lines = LazyCell::new(|| {
+        EdgeGrid::of_lines(strokes.iter().map(Stroke::path), widest)
+    });
     let mut all: Vec<(f64, usize, usize)> = Vec::new();
     let mut near = Vec::new();
     for (i, end) in ends.iter().enumerate() {
@@ -393,6 +396,10 @@ fn stop_short(
     widest: Mm,
     taken: Option<impl Fn(DVec2) -> bool>,
 ) -> Vec<Chain> {
+    // Most rings close again, and have no ends.
+    if chains.iter().all(|chain| chain.stroke.closed) {
+        return chains;
+    }
     let paths = chains.iter().map(|c| c.stroke.path());
     let grid = EdgeGrid::of_lines(paths, widest);
     let mut lines = Vec::with_capacity(chains.len());

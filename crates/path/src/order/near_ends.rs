@@ -40,14 +40,15 @@ impl NearEnds {
             points,
             origin: bounds.min,
             cell,
-            members: Shelves::new(0, |_| ()),
+            members: Shelves::new(0, &[]),
         };
-        grid.members = Shelves::new(grid.columns * grid.rows, |put| {
-            for (&p, i) in grid.points.iter().zip(0..) {
-                let (column, row) = grid.place(p);
-                put(row * grid.columns + column, i);
-            }
-        });
+        let cell = |p: &DVec2| {
+            let (column, row) = grid.place(*p);
+            (row * grid.columns + column) as u32
+        };
+        let in_cells: Vec<(u32, u32)> =
+            grid.points.iter().map(cell).zip(0..).collect();
+        grid.members = Shelves::new(grid.columns * grid.rows, &in_cells);
         grid
     }
 

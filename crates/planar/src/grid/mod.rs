@@ -22,6 +22,7 @@ use super::{Area, Rect, Ring};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use segment::{box_meets, crossing, is_left};
+use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Edges by the cells they pass through.
@@ -142,15 +143,15 @@ impl EdgeGrid {
             per_cell: 1.0 / cell,
             columns,
             rows,
-            members: Shelves::new(0, |_| ()),
+            members: Shelves::new(0, &[]),
             insides: OnceLock::new(),
         };
-        grid.members = Shelves::new(columns * rows, |put| {
-            for i in grid.edges() {
-                let (a, b) = grid.edge(i);
-                grid.walk(a, b, |cell| put(cell, i as u32));
-            }
-        });
+        let mut through = Vec::with_capacity(2 * count);
+        for i in grid.edges() {
+            let (a, b) = grid.edge(i);
+            grid.walk(a, b, |cell| through.push((cell as u32, i as u32)));
+        }
+        grid.members = Shelves::new(columns * rows, &through);
         grid
     }
 
@@ -164,11 +165,22 @@ impl EdgeGrid {
 
     /// The number of what an edge belongs to.
     pub fn owner(&self, edge: usize) -> usize {
+        self.chains[self.chain(edge)].1 as usize
+    }
+
+    /// The place of an edge's chain.
+    fn chain(&self, edge: usize) -> usize {
         let from = self.blocks[edge / BLOCK] as usize;
         let goes_on = |c: &&(u32, u32)| c.0 as usize <= edge;
-        let further =
-            self.chains[from + 1..].iter().take_while(goes_on).count();
-        self.chains[from + further].1 as usize
+        from + self.chains[from + 1..].iter().take_while(goes_on).count()
+    }
+
+    /// The numbers of an edge and of those before and after it in its chain.
+    pub(super) fn beside(&self, edge: u32) -> Range<u32> {
+        let chain = self.chain(edge as usize);
+        let next = self.chains.get(chain + 1);
+        let end = next.map_or(self.points.len() as u32, |next| next.0) - 1;
+        edge.saturating_sub(1).max(self.chains[chain].0)..end.min(edge + 2)
     }
 
     /// The ends of an edge.

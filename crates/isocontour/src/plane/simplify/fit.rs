@@ -12,9 +12,9 @@ const ROUNDS: usize = 8;
 /// Number of tries to fit the corners. After them all corners are held back.
 const TRIES: usize = 16;
 
-/// A step of the path, seen from the edge that replaces it: how far along the
-/// edge it begins and ends, from 0 to 1, and how far to the left.
-type Step = ((f64, Length), (f64, Length));
+/// A point of the path, seen from the edge that replaces it: how far along the
+/// edge it lies, from 0 to 1, and how far to the left.
+type Seen = (f64, Length);
 
 /// Moves each corner across the path so that the squares of the distances
 /// between the path and its edges are least.
@@ -32,7 +32,7 @@ pub(super) fn settle(
     let mut fit = Fit::new(points, joints);
     fit.solve();
     let mut tries = 0;
-    while fit.hold_where_off(points, joints, tolerance, least) {
+    while fit.hold_where_off(tolerance, least) {
         tries += 1;
         // Holding back one corner after another would take time by the square
         // of their number.
@@ -68,6 +68,8 @@ struct Edge {
     /// How far the path is to the left of the edge, summed over its length, and
     /// weighted by the nearness of its beginning, and of its end.
     off: [f64; 2],
+    /// Where the points that it replaces end in [`Fit::seen`].
+    end: usize,
 }
 
 /// The corners and edges of a path, and how far the corners move.
@@ -77,16 +79,23 @@ struct Fit {
     moves: Vec<Move>,
     /// Edge `i` goes from corner `i` to the next corner.
     edges: Vec<Edge>,
+    /// The points that edges replace, edge by edge.
+    seen: Vec<Seen>,
 }
 
 impl Fit {
     fn new(points: &Points<'_>, joints: &[Joint]) -> Self {
+        let mut seen: Vec<Seen> =
+            Vec::with_capacity(points.all.len() + 2 * joints.len());
         let edges: Vec<Edge> = joints
             .windows(2)
             .map(|ends| {
                 let along = ends[1].at - ends[0].at;
                 let mut off = [0.0; 2];
-                for ((u, d), (v, e)) in steps(points, &ends[0], &ends[1]) {
+                let begin = seen.len();
+                seen.extend(replaced(points, &ends[0], &ends[1]));
+                for step in seen[begin..].windows(2) {
+                    let ((u, d), (v, e)) = (step[0], step[1]);
                     // Simpson's rule is exact for a product of two linear
                     // functions.
                     let share = (v - u) * along.length() / 6.0;
@@ -99,6 +108,7 @@ impl Fit {
                     left: along.perp().normalize_or_zero(),
                     length: along.length(),
                     off,
+                    end: seen.len(),
                 }
             })
             .collect();
@@ -139,22 +149,22 @@ impl Fit {
                 }
             })
             .collect();
-        Fit { moves, edges }
+        Fit { moves, edges, seen }
     }
 
     /// Finds the moves by the method of Gauss and Seidel.
     fn solve(&mut self) {
         let n = self.moves.len();
         for _ in 0..ROUNDS {
+            let mut before = self.moves.last().map_or(0.0, |m| m.by);
             for i in 0..n {
-                let m = self.moves[i];
-                if m.most <= 0.0 {
-                    continue;
-                }
-                let before = self.moves[if i > 0 { i - 1 } else { n - 1 }].by;
                 let after = self.moves[if i + 1 < n { i + 1 } else { 0 }].by;
-                let by = m.best - m.less[0] * before - m.less[1] * after;
-                self.moves[i].by = by.clamp(-m.most, m.most);
+                let m = &mut self.moves[i];
+                if m.most > 0.0 {
+                    let by = m.best - m.less[0] * before - m.less[1] * after;
+                    m.by = by.clamp(-m.most, m.most);
+                }
+                before = m.by;
             }
         }
     }
@@ -167,26 +177,21 @@ impl Fit {
     /// Holds back the corners beside edges that are farther from the path than
     /// the tolerance: they move by at most `least`. True if one of them could
     /// move farther before.
-    fn hold_where_off(
-        &mut self,
-        points: &Points<'_>,
-        joints: &[Joint],
-        tolerance: Length,
-        least: Length,
-    ) -> bool {
+    fn hold_where_off(&mut self, tolerance: Length, least: Length) -> bool {
         let mut held = false;
+        let mut begin = 0;
         for (i, edge) in self.edges.iter().enumerate() {
+            let seen =
+                &self.seen[std::mem::replace(&mut begin, edge.end)..edge.end];
             let ends = [i, self.after(i)];
             if ends.iter().all(|&k| self.moves[k].most <= least) {
                 continue;
             }
             let [from, to] = ends
                 .map(|k| self.moves[k].by * self.moves[k].way.dot(edge.left));
-            let far = |(u, d): (f64, Length)| {
-                (d - from - u * (to - from)).abs() > tolerance
-            };
-            let mut steps = steps(points, &joints[i], &joints[i + 1]);
-            if steps.any(|(a, b)| far(a) || far(b)) {
+            let far =
+                |&(u, d): &Seen| (d - from - u * (to - from)).abs() > tolerance;
+            if seen.iter().any(far) {
                 held = true;
                 for k in ends {
                     let m = &mut self.moves[k];
@@ -218,25 +223,24 @@ fn before(i: usize, edges: &[Edge]) -> usize {
     (i + edges.len() - 1) % edges.len()
 }
 
-/// The steps of the path between two corners.
-fn steps(
+/// The points of the path from one corner to another, seen from the edge between
+/// them.
+fn replaced(
     points: &Points<'_>,
     from: &Joint,
     to: &Joint,
-) -> impl Iterator<Item = Step> {
+) -> impl Iterator<Item = Seen> {
     let along = to.at - from.at;
     let (start, length) = (from.at, along.length());
     let on = along.normalize_or_zero();
-    let seen = move |p: DVec2| {
-        let p = p - start;
-        let share = p.dot(on) / length.max(f64::MIN_POSITIVE);
-        (share.clamp(0.0, 1.0), on.perp_dot(p))
-    };
-    let mut last = seen(points.place(from.place));
     let inner = (from.place as usize + 1)..(to.place.ceil() as usize);
-    let (points, end) = (*points, points.place(to.place));
-    inner
-        .map(move |k| points.at(k))
-        .chain([end])
-        .map(move |p| (std::mem::replace(&mut last, seen(p)), last))
+    let (points, ends) = (*points, [from, to].map(|c| points.place(c.place)));
+    std::iter::once(ends[0])
+        .chain(inner.map(move |k| points.at(k)))
+        .chain([ends[1]])
+        .map(move |p| {
+            let p = p - start;
+            let share = p.dot(on) / length.max(f64::MIN_POSITIVE);
+            (share.clamp(0.0, 1.0), on.perp_dot(p))
+        })
 }

@@ -16,8 +16,17 @@ pub(super) struct Points<'a> {
 }
 
 impl Points<'_> {
+    /// The number of point `k` among those that are not repeated.
+    pub(super) fn number(&self, mut k: usize) -> usize {
+        // A division would take longer than all else that is asked of a point.
+        while k >= self.all.len() {
+            k -= self.all.len();
+        }
+        k
+    }
+
     pub(super) fn at(&self, k: usize) -> DVec2 {
-        self.all[k % self.all.len()]
+        self.all[self.number(k)]
     }
 
     /// The place on the path at a number of points and a share of the next
@@ -57,14 +66,24 @@ impl Points<'_> {
         })
     }
 
-    /// The way from point `k` to the left end of a gate that reaches `half` to
-    /// both sides. The gate has equal angles to the ways before and after the
-    /// point.
-    pub(super) fn gate(&self, k: usize, half: Length) -> DVec2 {
-        let along = self.ways(k).map_or(DVec2::ZERO, |(u, v)| {
-            u.normalize_or_zero() + v.normalize_or_zero()
-        });
-        half * along.perp().normalize_or_zero()
+    /// The way from each point to the left end of a gate that reaches `half` to
+    /// both sides; none at a corner. The gate has equal angles to the ways before
+    /// and after the point.
+    pub(super) fn gates(
+        &self,
+        half: Length,
+        corner: impl Fn(usize) -> bool,
+    ) -> Vec<Option<DVec2>> {
+        let n = self.all.len();
+        let way = |k: usize| (self.at(k + 1) - self.at(k)).normalize_or_zero();
+        let mut before = way(n - 1);
+        let gate = |k: usize| {
+            let after = way(k);
+            let along = std::mem::replace(&mut before, after) + after;
+            let gate = || half * along.perp().normalize_or_zero();
+            (!corner(k)).then(gate)
+        };
+        (0..n).map(gate).collect()
     }
 }
 

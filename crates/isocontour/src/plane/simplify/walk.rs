@@ -79,14 +79,14 @@ fn meet(along: DVec2, a: DVec2, b: DVec2) -> f64 {
 }
 
 /// A way to walk along a path.
-pub(super) struct Walk<'a, C, F> {
+pub(super) struct Walk<'a, F> {
     pub points: Points<'a>,
     /// Half the width of a gate.
     pub half: Length,
+    /// The points' gates ([`Points::gates`]).
+    pub gates: Vec<Option<DVec2>>,
     /// Greatest distance of the result from the path.
     pub tolerance: Length,
-    /// Tells whether a point stays.
-    pub corner: C,
     /// Tells whether one edge may lead along the path from one point to
     /// another.
     pub fits: F,
@@ -94,7 +94,7 @@ pub(super) struct Walk<'a, C, F> {
     pub between: bool,
 }
 
-impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
+impl<F: Fn(usize, usize) -> bool> Walk<'_, F> {
     /// The corners of the result. Those of a closed path begin anywhere.
     pub(super) fn joints(&self) -> Vec<Joint> {
         let n = self.points.all.len();
@@ -106,7 +106,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
         let (mut from, mut end) = (fixed(0), fixed(n));
         if !self.points.closed {
             end = fixed(n - 1);
-        } else if !(self.corner)(0) {
+        } else if self.gates[0].is_some() {
             // Any point would do. One at which an edge ends is a good
             // beginning.
             from = self.next(&from, &end);
@@ -171,10 +171,9 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
     fn gate(&self, k: usize, end: &Joint, from: DVec2) -> Gate {
         let (p, to_left) = if k as f64 >= end.place {
             (end.at, DVec2::ZERO)
-        } else if (self.corner)(k) {
-            (self.points.at(k), DVec2::ZERO)
         } else {
-            (self.points.at(k), self.points.gate(k, self.half))
+            let gate = self.gates[self.points.number(k)];
+            (self.points.at(k), gate.unwrap_or(DVec2::ZERO))
         };
         Gate {
             right: p - to_left - from,
@@ -231,7 +230,7 @@ impl<C: Fn(usize) -> bool, F: Fn(usize, usize) -> bool> Walk<'_, C, F> {
                 Joint {
                     at: self.points.at(k),
                     place: k as f64,
-                    stays: (self.corner)(k),
+                    stays: self.gates[self.points.number(k)].is_none(),
                 }
             }
         };
