@@ -336,9 +336,10 @@ fn tops_lie_on_the_surface() {
         }
         let share = volume(&steps) / part.volume() - 1.0;
         assert!(share.abs() < 0.005, "{name}: {share}");
-        // Thinned to 1.5 µm, a way of 0.1 mm bends by 4·1.5/50.
+        // Thinned to 1.5 µm, a way of 0.1 mm bends by 4·1.5/50. Where a bead is wider
+        // than its strip, one end of it comes down by 10 µm within 0.05 mm.
         let bend = sharpest_bend(&part, &steps);
-        assert!(bend < 0.085, "{name}: {bend}");
+        assert!(bend < 0.22, "{name}: {bend}");
         // Level layers are off by half of their height.
         let flat = print(&part, &[]);
         let Distances {
