@@ -235,7 +235,7 @@ fn walls_stay_inside_the_outline() {
                 };
                 // Webs and fins may be 45 % as wide as their beads, the thinnest.
                 let least = print.plate.settings.thin_min / 100.0 * width;
-                let by = if m.width < 1.05 * least { 0.28 } else { 0.05 };
+                let by = if m.width < 1.05 * least { 0.3 } else { 0.05 };
                 assert!(!sticks_out(0.5, by * m.width), "{}", print.at(m));
                 // Widths are written with four decimals.
                 if (m.width - width).abs() < 5e-5 {

@@ -51,6 +51,10 @@ pub(super) struct Obstacles<'a> {
 /// where they can.
 const NEAR: f64 = 0.4;
 
+/// How differently far the two sides of a tip may be from the middle of its bead, as a
+/// share of a wall's width.
+const EVEN: f64 = 0.3;
+
 /// Share of a depth that remains after rounding.
 const ROUNDED: f64 = 0.95;
 
@@ -171,9 +175,9 @@ impl<'a> Obstacles<'a> {
     /// True if the way crosses an outer wall or follows one: if it comes too
     /// near to the outline, since the outer walls lie half a line's width
     /// inside it. The way's ends may be on walls, but may not lead over them.
-    /// `next` is the number of the bead that the way leads to. The way may go back
-    /// along the open bead from which it comes, and along the open one to which it
-    /// leads, as it does in the tips of a part.
+    /// `next` is the number of the bead that the way leads to. In a tip of the part the
+    /// way may go back along the bead from which it comes, and along the one to which
+    /// it leads.
     pub(super) fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
         let middle = 0.5 * self.width;
         let near = middle + NEAR * self.width;
@@ -184,7 +188,7 @@ impl<'a> Obstacles<'a> {
         let clear = |p: DVec2, q: DVec2| grid.clear(p, q, near);
         let along = trimmed(points, self.width);
         let follows = along.windows(2).any(|p| {
-            let beside = |q: DVec2| !clear(q, q) && !self.is_on(&own, q);
+            let beside = |q: DVec2| !clear(q, q) && !self.is_in_tip(&own, q);
             !clear(p[0], p[1])
                 && (own.is_empty() || steps(p, middle).any(beside))
         });
@@ -206,9 +210,9 @@ impl<'a> Obstacles<'a> {
             open.visit_crossed(p[0], p[1], |t, edge| {
                 let i = open.owner(edge);
                 let own = i == next || i + 1 == next;
-                let may =
-                    !self.beads[i].stroke.closed || at_end(p[0].lerp(p[1], t));
-                crossed |= !own || !may;
+                let at = p[0].lerp(p[1], t);
+                let tip = !self.beads[i].stroke.closed && self.is_tip(at);
+                crossed |= !own || !(at_end(at) || tip);
             });
             crossed
         };
@@ -218,10 +222,24 @@ impl<'a> Obstacles<'a> {
             || self.leads_over(points.iter().rev().copied(), middle)
     }
 
-    /// True if a place is on one of some beads.
-    fn is_on(&self, beads: &[&Bead], p: DVec2) -> bool {
+    /// True if a place is on one of some beads where that fills a tip of the part.
+    fn is_in_tip(&self, beads: &[&Bead], p: DVec2) -> bool {
         let mut pieces = beads.iter().flat_map(|b| b.stroke.segments());
-        pieces.any(|(a, b)| nearest_on(p, a, b).distance(p) <= 0.5 * self.width)
+        pieces.any(|(a, b)| {
+            let middle = nearest_on(p, a, b);
+            middle.distance(p) <= 0.5 * self.width && self.is_tip(middle)
+        })
+    }
+
+    /// True if the outline is as near to a place on one side of it as on the other, as
+    /// it is in tips.
+    fn is_tip(&self, p: DVec2) -> bool {
+        let grid = self.ground.outline().grid();
+        let side = grid.nearest_edge(p, self.width);
+        side.is_some_and(|(_, side)| {
+            let other = 2.0 * p - side;
+            !grid.clear(other, other, EVEN * self.width)
+        })
     }
 
     /// True if the beginning of a way comes nearer to the outline than the
