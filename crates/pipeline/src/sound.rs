@@ -99,8 +99,8 @@ fn window(k: usize, part: Rect) -> (f64, Rect) {
 }
 
 /// Looks at a sample of a part with the layers `spans` in the box `part`.
-/// `found_in` tells what is in a window of a layer, and `line` is the width of
-/// the thinnest line.
+/// `found_in` tells what is in a window of a layer, and `line` is the thickness of
+/// the thinnest place that gets a line.
 ///
 /// # Errors
 /// If hardly any of the sample can be printed, and the errors of `found_in`.

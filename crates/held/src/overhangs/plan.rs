@@ -1,7 +1,7 @@
 //! What tells which places hang.
 
 use isoslice_base::units::{Degrees, Mm};
-use isoslice_layer::walls::WallPlan;
+use isoslice_layer::walls::{THINNEST_PLACE, WallPlan};
 use isoslice_settings::Settings;
 
 /// How far layers hold what is above them.
@@ -20,7 +20,7 @@ pub struct OverhangPlan {
     pub directions: [Degrees; 2],
     /// The walls.
     pub walls: WallPlan,
-    /// Width of the thinnest line, mm.
+    /// Thickness of the thinnest place that gets a line, mm.
     pub thinnest: Mm,
     /// Height of the thickest layers above the first, mm.
     pub thickest_layer: Mm,
@@ -46,7 +46,7 @@ impl OverhangPlan {
             },
             directions: [0, 1].map(|layer| settings.skin_direction(layer)),
             walls: WallPlan::of(settings),
-            thinnest: settings.thinnest_line(),
+            thinnest: THINNEST_PLACE * settings.thinnest_line(),
             thickest_layer: settings.thickest_layer(),
             raft_layers: settings.raft_layers(),
         }

@@ -17,11 +17,11 @@ use std::cell::LazyCell;
 
 /// Tolerance of the offsets, mm.
 const TOLERANCE: Mm = 0.002;
-/// Thick places are the core, grown by so many halves of the thinnest line.
+/// Thick places are the core, grown by so many halves of the thinnest place.
 /// Corners of 90 degrees stay.
 const CORNER: f64 = 1.5;
 /// A small island is printed for sure if its thickness, four times its area over
-/// its perimeter, is so many times the thinnest line. The thickness of a disc is
+/// its perimeter, is so many times the thinnest place's. The thickness of a disc is
 /// its diameter, that of a narrow strip twice its width.
 const SURE: f64 = 2.4;
 /// Size of the ring that stands for the middle of an island, as a share of the
@@ -33,13 +33,13 @@ const MIDDLE: f64 = 0.05;
 pub(crate) struct Printed {
     /// The islands that have room for a line.
     pub area: Area,
-    /// Where the middle of the thinnest line may be. Islands that are printed
+    /// Where the middle of the thinnest place may be. Islands that are printed
     /// although they are thinner have a small ring in their middle.
     pub core: Area,
 }
 
 impl Printed {
-    /// Half the width of the thinnest line.
+    /// Half the thickness of the thinnest place that gets a line.
     pub(crate) fn half(plan: &OverhangPlan) -> Mm {
         0.5 * plan.thinnest
     }

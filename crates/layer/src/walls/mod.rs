@@ -63,6 +63,7 @@ pub use reach::Reach;
 pub(crate) use shared::{content_of, taken};
 use std::collections::HashSet;
 use stitching::Space;
+pub use web::LEAST as THINNEST_PLACE;
 
 /// Share of `accuracy` for the outline, and for an offset of it. A polygon's
 /// corners lie as far outside of a curve as the middles of its edges lie

@@ -22,7 +22,7 @@ use isoslice_planar::grid::EdgeGrid;
 
 /// Least thickness of a web or a fin, as a share of the thinnest bead's width. With the
 /// usual widths the bead sticks out by 0.075 mm on each side at most.
-const LEAST: f64 = 0.45;
+pub const LEAST: f64 = 0.45;
 /// Least length of a thin place that ends free, mm. Tips with sides 14° apart or more
 /// are shorter.
 const FIN: Mm = 0.6;
@@ -51,6 +51,13 @@ pub(super) fn led_on(
     if axis.closed || axis.points.len() < 2 {
         return Some(axis);
     }
+    // A fin begins beside the wall of what it stands on, whose ring stays whole. Only
+    // what is thin from end to end and opens at both is led on.
+    let fin = axis
+        .thickness
+        .iter()
+        .all(|t| *t < bead)
+        .then(|| axis.clone());
     for _ in 0..2 {
         axis.points.reverse();
         axis.thickness.reverse();
@@ -74,6 +81,9 @@ pub(super) fn led_on(
         let along = before.or(axis.points.first()).map(|p| end - *p)?;
         let along = along.normalize_or_zero();
         let more = way_out((end, along, t), [bead, wall], grid);
+        if more.is_none() && fin.is_some() {
+            return fin;
+        }
         for (p, t) in more.into_iter().flatten() {
             axis.points.push(p);
             axis.thickness.push(t);
