@@ -2,19 +2,19 @@
 
 use super::folder::ProfilesSource;
 use super::output::is_stream;
-use super::{complete, terminal};
-use anyhow::{Context, bail};
+use super::{complete, plain, terminal};
+use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
 use clap_complete::engine::ArgValueCompleter;
 use glam::DVec3;
 use isoslice::files;
 use isoslice::model::{
-    self, Bounds, BuildVolume, LoadError, Loaded, Model, Placement, Source,
-    SourceKind,
+    self, Bounds, BuildVolume, Expression, LoadError, Loaded, Model, Placement,
+    Source, SourceKind,
 };
 use isoslice::plate::Wanted;
 use isoslice::settings::{
-    Builder, Origin, ProfileKind, Settings, SettingsError,
+    Builder, GivenIn, Origin, ProfileKind, Settings, SettingsError, keys,
 };
 use isoslice_base::units::human_list;
 use slicerprofile::Counterpart;
@@ -427,7 +427,9 @@ impl SettingsSource {
             (ProfileKind::Preset, &self.preset),
         ] {
             if let Some(name) = name {
-                let read = builder.profile(&profiles, kind, name)?;
+                let read = builder
+                    .profile(&profiles, kind, name)
+                    .map_err(|error| of_file(error, Path::new(name)))?;
                 files.extend(read.into_iter().filter_map(|p| match p.origin {
                     Origin::File(path) => Some(path),
                     Origin::Shipped => None,
@@ -435,12 +437,13 @@ impl SettingsSource {
             }
         }
         for path in &self.config {
-            builder.file(path)?;
+            builder.file(path).map_err(|error| of_file(error, path))?;
         }
         for assignment in &self.set {
             builder.set(assignment)?;
         }
         let (settings, warnings) = builder.clone().finish()?;
+        formulas_of_files(&builder)?;
         if let Some(path) = settings.infill_script() {
             files.push(path.into());
         }
@@ -453,12 +456,54 @@ impl SettingsSource {
     }
 }
 
+/// Looks at the formulas that files give, since only here their places are known.
+/// Those of infill may be more than formulas.
+fn formulas_of_files(builder: &Builder) -> anyhow::Result<()> {
+    for key in keys().iter().filter(|key| key.name != "infill") {
+        let value = key.get(builder.settings());
+        let text = value.strip_prefix("\"expr: ");
+        let text = text.and_then(|text| text.strip_suffix('"'));
+        let (Some(text), Some(place @ GivenIn::File { .. })) =
+            (text, builder.place(key))
+        else {
+            continue;
+        };
+        let parsed = if key.name == "xy_compensation" {
+            Expression::of_outline(text)
+        } else {
+            Expression::parse(text)
+        };
+        if let Err(error) = parsed {
+            bail!("{place}: {} = {value}: {error}", key.name);
+        }
+    }
+    Ok(())
+}
+
+/// An error about a file of settings, which may be another slicer's.
+fn of_file(error: SettingsError, path: &Path) -> anyhow::Error {
+    /// The ends of names of files that `isoslice profiles import` reads.
+    const IMPORTED: [&str; 5] = ["ini", "json", "curaprofile", "3mf", "gcode"];
+    let is_imported = path.extension().is_some_and(|extension| {
+        IMPORTED.iter().any(|of| extension.eq_ignore_ascii_case(of))
+    });
+    if !is_imported || !path.is_file() {
+        return error.into();
+    }
+    let path = plain::value(path.display());
+    anyhow!(
+        "{path} is no settings file of isoslice's, which is TOML; if it is \
+         another slicer's, `isoslice profiles import {path}` makes profiles of \
+         it, for --printer, --filament and --preset"
+    )
+}
+
 /// An error that says what another slicer's name of a setting is here.
 fn explained(error: SettingsError) -> SettingsError {
     let SettingsError::UnknownKey { place, key, hint } = error else {
         return error;
     };
-    if key == "description" {
+    if matches!(key.as_str(), "description" | "inherits") {
         let hint = "it is a profile's: give the file with --printer, --filament or \
                     --preset";
         return SettingsError::UnknownKey {

@@ -170,8 +170,13 @@ pub(super) fn parameter(of_model: &Parameter) -> JsonParameter<'_> {
     }
 }
 
-/// Adds the lines about layers of different heights, of which there are `count`.
-pub(super) fn describe_steps(steps: &Steps, count: usize, rows: &mut Rows) {
+/// Adds the lines about layers of different heights. If their `count` is given, it is
+/// compared with that of uniform layers.
+pub(super) fn describe_steps(
+    steps: &Steps,
+    count: Option<usize>,
+    rows: &mut Rows,
+) {
     let line = format!(
         "{:.3} to {:.3} mm, steps of up to {:.3} mm (99 % of the layers: {:.3}), \
          first layer aside",
@@ -182,6 +187,7 @@ pub(super) fn describe_steps(steps: &Steps, count: usize, rows: &mut Rows) {
     );
     rows.add("heights", line);
     let uniform = steps.uniform_layers;
+    let count = count.unwrap_or(uniform);
     let change = count.abs_diff(uniform);
     let share = 100.0 * change as f64 / uniform as f64;
     let word = if count < uniform { "fewer" } else { "more" };
@@ -351,7 +357,7 @@ fn describe(
         }
         Some(steps) => {
             rows.add("layers", planned);
-            describe_steps(&steps, layers, &mut rows);
+            describe_steps(&steps, Some(layers), &mut rows);
         }
     }
     let operations = model.expression_size;

@@ -279,12 +279,18 @@ pub(super) fn describe(sums: &Sums<'_>) -> Result<String, std::fmt::Error> {
     } else {
         format!("{} to {} of {count}", layers.start + 1, layers.end)
     };
-    let raft = match summary.raft_layers {
-        0 => String::new(),
-        n => format!(", the lowest {n} of them the raft's"),
+    let turns = sums.plate.turns().map(|turns| turns.len());
+    let raft = match (summary.raft_layers, turns) {
+        (0, _) => String::new(),
+        (n, None) => format!(", the lowest {n} of them the raft's"),
+        (n, Some(parts)) => {
+            format!(", {} of them rafts', {n} below each part", n * parts)
+        }
     };
     rows.add("layers", which + &raft);
     if let Some(steps) = &summary.steps {
+        // Parts that are printed one by one have their layers one after the other.
+        let count = turns.is_none().then_some(count);
         describe_steps(steps, count, &mut rows);
     }
     describe_parts(summary, &mut rows);

@@ -112,6 +112,21 @@ fn a_skirt_that_is_not_named_is_no_finished_part() {
     }
 }
 
+/// A higher skirt would be in the head's way.
+#[test]
+fn a_high_skirt_is_told_to_be_low() {
+    let told = |more: &[&str]| {
+        let plate = plate(more);
+        let options = Options::default();
+        let summary = slice_plate(&plate, &options, &mut Vec::new()).unwrap();
+        let warnings = summary.warnings.iter();
+        warnings.filter(|w| w.starts_with("skirt.layers")).count()
+    };
+    assert_eq!(told(&["skirt.layers=5"]), 1);
+    assert_eq!(told(&["skirt.layers=5", "skirt.loops=0"]), 0);
+    assert_eq!(told(&["skirt.layers=1"]), 0);
+}
+
 #[test]
 fn each_part_is_finished_before_the_next_begins_and_nothing_is_hit() {
     let plate = plate(&[]);

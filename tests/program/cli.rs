@@ -1779,3 +1779,109 @@ fn a_profile_given_as_settings_is_told_to_be_one() {
         .code(1)
         .stderr(contains("it is a profile's: give the file with --printer"));
 }
+
+/// The first thing that users of another slicer try.
+#[test]
+fn files_of_other_slicers_are_to_be_imported() {
+    let folder = folder();
+    write(
+        &folder,
+        "prusa.ini",
+        "perimeters = 3\nfill_pattern = gyroid\n",
+    );
+    write(&folder, "orca.json", "{\"wall_loops\": \"3\"}\n");
+    write(&folder, "own.toml", "walls = 3\ninherits = \"ender-3\"\n");
+    for (option, file) in [
+        ("--config", "prusa.ini"),
+        ("--config", "orca.json"),
+        ("--printer", "prusa.ini"),
+        ("--filament", "./orca.json"),
+    ] {
+        isoslice(&folder)
+            .args(["settings", option, file])
+            .assert()
+            .failure()
+            .stderr(contains(format!("isoslice profiles import {file}")));
+    }
+    isoslice(&folder)
+        .args(["settings", "--printer", "absent.ini"])
+        .assert()
+        .failure()
+        .stderr(contains("profiles import").not());
+    isoslice(&folder)
+        .args(["settings", "--config", "own.toml"])
+        .assert()
+        .failure()
+        .stderr(contains("own.toml:2: there is no setting \"inherits\""))
+        .stderr(contains("--printer, --filament or --preset"));
+    write(&folder, "part.png", "");
+    isoslice(&folder)
+        .args(["slice", "part.png"])
+        .assert()
+        .failure()
+        .stderr(contains("image(\"part.png\")"));
+}
+
+/// Layers of parts that are printed one by one are counted part by part.
+#[test]
+fn layers_of_parts_one_by_one_are_not_compared_with_those_of_one() {
+    let folder = folder();
+    let ball = ["slice", "-e", BALL, "--copies", "2", "--no-check"];
+    let coarse = [
+        "--set",
+        "layer_heights=adaptive",
+        "--set",
+        "raft.layers=2",
+        "--set",
+        "sample_spacing=0.2",
+        "-o",
+        "x.gcode",
+    ];
+    let one_by_one = [
+        "--set",
+        "plate.sequence=one-by-one",
+        "--set",
+        "printer.head_clearance_radius=20",
+        "--set",
+        "printer.gantry_height=20",
+    ];
+    let together = stdout(isoslice(&folder).args(ball).args(coarse));
+    assert!(
+        together.contains("the lowest 2 of them the raft's"),
+        "{together}"
+    );
+    assert!(together.contains("than with layer_heights"), "{together}");
+    let apart =
+        stdout(isoslice(&folder).args(ball).args(coarse).args(one_by_one));
+    assert!(
+        apart.contains("4 of them rafts', 2 below each part"),
+        "{apart}"
+    );
+    assert!(!apart.contains("than with layer_heights"), "{apart}");
+}
+
+#[test]
+fn a_formula_that_is_none_is_found_in_its_file() {
+    let folder = folder();
+    write(
+        &folder,
+        "a.toml",
+        "walls = 3\nlayer_heights = \"expr: 0.2 +\"\n",
+    );
+    isoslice(&folder)
+        .args(["slice", "-e", BALL, "--config", "a.toml"])
+        .assert()
+        .failure()
+        .stderr(contains("a.toml:2: layer_heights = \"expr: 0.2 +\": "));
+    write(
+        &folder,
+        "b.toml",
+        "layer_heights = \"expr: 0.2 + 0.01 * z\"\n\
+         xy_compensation = \"expr: 0.1 * curvature\"\n\
+         infill_density = \"expr: 10 + d\"\nseam = \"expr: -y\"\n",
+    );
+    isoslice(&folder)
+        .args(["settings", "--config", "b.toml"])
+        .assert()
+        .success();
+}

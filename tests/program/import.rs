@@ -649,6 +649,18 @@ fn projects_and_what_the_head_needs_are_taken_over() {
     ] {
         assert!(bambu.contains(line), "{line}: {bambu}");
     }
+    // PrusaSlicer's projects have what its G-code ends with.
+    let text = "; perimeters = 5\n; layer_height = 0.25\n; fill_density = 12%\n\
+                ; bed_shape = 0x0,200x0,200x200,0x200\n; temperature = 215\n\
+                ; first_layer_temperature = 220\n; brim_width = 0\n; skirts = 1\n\
+                ; top_solid_layers = 4\n; bottom_solid_layers = 3\n";
+    entry(
+        &dir.path().join("q.3mf"),
+        "Metadata/Slic3r_PE.config",
+        text.as_bytes(),
+    );
+    let project = imported("q.3mf");
+    assert!(project.contains("walls = 5"), "{project}");
     let prusa = imported("one.ini");
     for line in [
         "head_clearance_radius = 45",

@@ -5,6 +5,7 @@ use crate::common;
 use crate::common::filament_area;
 use crate::common::{examples, number, part, slice, slice_layers, text};
 use glam::DVec2;
+use isoslice::pipeline::{Options, slice_plate};
 use isoslice::plate::Plate;
 use std::collections::BTreeSet;
 
@@ -287,6 +288,27 @@ fn bambu_firmware_knows_every_line() {
     assert!(gcode.contains("\n; LINE_WIDTH: 0.45\n"));
     assert!(!gcode.contains("\nM107"));
     assert!(gcode.contains("\nM73 P100 R0\n"));
+}
+
+/// More parts than Bambu Lab's firmware tells apart have no labels, which is said.
+#[test]
+fn too_many_parts_for_labels_are_told() {
+    let own = [&ALL[..3], &["gcode.flavour=bambu"]].concat();
+    let settings = common::settings(&own);
+    let labels = |copies: u64| {
+        let dot = "max(hypot(x, y) - 1.5, abs(z - 0.3) - 0.3)";
+        let all = [common::wanted("dot", dot, copies, &settings)];
+        let plate = Plate::new("plate", &all, &settings).unwrap();
+        let mut gcode = Vec::new();
+        let options = Options::default();
+        let summary = slice_plate(&plate, &options, &mut gcode).unwrap();
+        let text = String::from_utf8(gcode).unwrap();
+        let told = summary.warnings.iter();
+        let told = told.filter(|w| w.starts_with("gcode.labels: no part"));
+        (text.matches("M624 ").count() > 0, told.count())
+    };
+    assert_eq!(labels(64), (true, 0));
+    assert_eq!(labels(65), (false, 1));
 }
 
 #[test]

@@ -532,6 +532,31 @@ fn unwise_settings_are_warned_of() {
     );
 }
 
+/// People write templates as the files of PrusaSlicer have them.
+#[test]
+fn templates_have_lines_without_quotes() {
+    let text = |given: &str| {
+        let (settings, _) = set(&[given]).unwrap_or_else(|e| panic!("{e}"));
+        common::text(&settings, given.split_once('=').unwrap().0)
+    };
+    for key in ["gcode.start", "gcode.end", "gcode.layer"] {
+        let lines = text(&format!("{key}=G28\\nG1 Z5"));
+        assert!(lines.contains("G28\nG1 Z5"), "{lines}");
+        assert_eq!(text(&format!("{key}=\"G28\\nG1 Z5\"")), lines);
+    }
+    assert_eq!(text("printer.model=a\\nb"), r#""a\\nb""#);
+}
+
+#[test]
+fn a_number_with_a_unit_is_refused_in_words() {
+    for given in ["nozzle_temperature=210C", "nozzle_temperature=210 °C"] {
+        let said = refused_set(&[&format!("filament.{given}")]);
+        assert!(said.contains("without its unit: 210"), "{said}");
+    }
+    let said = refused_set(&["filament.nozzle_temperature=warm"]);
+    assert!(!said.contains("unit"), "{said}");
+}
+
 #[test]
 fn old_names_are_understood_with_a_hint() {
     let mut builder = Builder::new();

@@ -5,9 +5,10 @@ use super::away::Away;
 use super::words::{self, Effect};
 use super::{Checker, FindingKind, HOMED, bit};
 use glam::DVec3;
-use isoslice_base::units::{Celsius, Seconds, human_time};
+use isoslice_base::units::{Celsius, Mm, Seconds, human_time};
 use isoslice_gcode_read::reader::{Heater, Problem, Reader, Words};
 use std::io::Read;
+use std::iter::once;
 
 impl Checker<'_> {
     pub(super) fn problem(&mut self, line: u64, problem: Problem) {
@@ -70,8 +71,27 @@ impl Checker<'_> {
             let why = "homes z with a print on the bed that goes on after it: \
                        the nozzle or the probe would meet the print";
             self.word(line, "G28", Some(Effect::Disturbs(why)));
+            let stays = !b"XY".iter().any(named) && !all;
+            self.homed_over(line, stays);
         } else {
             self.word(line, "G28", Some(Effect::Leaves(words::AWAY)));
+        }
+    }
+
+    /// Takes in that z is homed after what was printed so far: at the middle of the
+    /// bed, where most probes are, or where the head stands if it stays there.
+    fn homed_over(&mut self, line: u64, stays: bool) {
+        /// How far from the nozzle it counts that something is printed: probes are
+        /// beside it.
+        const BESIDE: Mm = 10.0;
+        let printed = self.ending.has_printed() && !self.own_start;
+        if !printed || self.homed_over.is_some() {
+            return;
+        }
+        let middle = 0.5 * self.rules.bed;
+        let mut places = once(middle).chain(stays.then_some(self.at));
+        if places.any(|place| self.ground.is_printed_near(place, BESIDE)) {
+            self.homed_over = Some(line);
         }
     }
 

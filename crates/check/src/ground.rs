@@ -21,7 +21,7 @@
 
 use super::cells::{CELL, Cells, around, cell_of, middle_of};
 use super::columns::{Columns, Reach, Seen};
-use glam::{DVec3, IVec2};
+use glam::{DVec2, DVec3, IVec2};
 use isoslice_base::units::{Mm, Mm2};
 use isoslice_gcode_read::reader::{Move, Role};
 use isoslice_planar::bead::height_of;
@@ -284,6 +284,20 @@ impl Ground {
     /// none where they are the bed.
     pub(super) fn below(&self, cell: IVec2) -> Option<(Mm, bool)> {
         self.columns.below(cell)
+    }
+
+    /// True if something is printed in the square whose sides are so far from a
+    /// place.
+    pub(super) fn is_printed_near(&self, place: DVec2, distance: Mm) -> bool {
+        /// Every other cell is looked at: beads are about as wide as two.
+        const STEP: usize = 2;
+        let [from, to] = [-distance, distance].map(|by| cell_of(place + by));
+        let rows = (from.y..=to.y).step_by(STEP);
+        let mut cells = rows.flat_map(|y| {
+            let row = (from.x..=to.x).step_by(STEP);
+            row.map(move |x| IVec2::new(x, y))
+        });
+        cells.any(|cell| self.columns.at(cell).is_some())
     }
 
     /// The place where a travel is deepest in what is printed, the first of several.

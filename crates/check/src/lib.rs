@@ -78,7 +78,7 @@ use filament::WayBack;
 use finished::Finished;
 use flow::Flow;
 use gap::Gaps;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use ground::{Adrift, Ground, PLOUGH, Wrong};
 use heat::{Heat, Readiness};
 use held::Held;
@@ -152,6 +152,11 @@ struct Checker<'a> {
     /// True from a homing or a macro on, until a move gives z again: the head may be
     /// at any height.
     z_lost: bool,
+    /// Where the last move has led.
+    at: DVec2,
+    /// Line of a command that has homed z since the last bead, with something
+    /// printed where the nozzle or the probe comes down.
+    homed_over: Option<u64>,
     /// The tool in use.
     tool: u32,
     /// A bit for each tool that RepRapFirmware has been told to let cool.
@@ -210,6 +215,8 @@ impl<'a> Checker<'a> {
             held: Vec::new(),
             away: None,
             z_lost: false,
+            at: DVec2::ZERO,
+            homed_over: None,
             tool: 0,
             asleep: 0,
             tools: Tools::default(),
@@ -319,6 +326,7 @@ impl<'a> Checker<'a> {
 
     fn step(&mut self, step: &Move) {
         self.verdict.moves += 1;
+        self.at = step.to.truncate();
         self.ending.step(step);
         let template = step.layer == 0 || step.role == Role::Custom;
         self.reach(step, template);
@@ -332,6 +340,7 @@ impl<'a> Checker<'a> {
         }
         if step.prints() && sideways(step) {
             self.idle = (0, 0);
+            self.homed_over = None;
             self.laid += if template { 0.0 } else { step.filament };
             self.bead(step, template);
         } else if step.travels() && !template {
@@ -706,6 +715,15 @@ impl<'a> Checker<'a> {
                     "nothing is printed from here on, in {moves} moves: there \
                      is no filament in them"
                 )
+            });
+        }
+        if let Some(line) = self.homed_over {
+            let kind = FindingKind::Changed;
+            self.verdict.add_about(kind, "G28", line, nowhere, || {
+                "G28 homes z with the print on the bed: the nozzle or the probe \
+                 meets the print, unless z is homed beside it or at its upper \
+                 end; home x and y alone, as in G28 X Y"
+                    .to_owned()
             });
         }
         let unfinished = reader.is_unfinished();

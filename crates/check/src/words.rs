@@ -254,7 +254,10 @@ const ROWS: &[(&str, When, Effect)] = rows! {
     "M851", Beyond(b"Z", -10.0, 10.0)
         => Harms("changes how high the nozzle is over the bed");
     "M851", Has(b"XYZ") => Spoils("changes how high the nozzle is over the bed");
-    "M900", Beyond(b"KL", 0.0, 200.0) => Warns(ABSURD);
+    // Bambu Lab's printers take L1000 beside K and M10.
+    "M900", Beyond(b"K", 0.0, 200.0) => Warns(ABSURD);
+    "M900", Has(b"M") => Effect::None;
+    "M900", Beyond(b"L", 0.0, 200.0) => Warns(ABSURD);
     "M906", Beyond(b"XYZE", 0.0, 3000.0) => Harms(MOTORS);
     "M906", Always => Warns(MOTORS);
     "M907 M908 M909 M913 M914 M915", Always => Warns(MOTORS);

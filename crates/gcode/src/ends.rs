@@ -1,6 +1,7 @@
 //! The file's head, from the first line to the first layer, and its foot.
 
 use super::facts::{Fact, Of};
+use super::label;
 use super::scan::{self, Heating, heating};
 use super::template::{TemplateError, Templates};
 use super::time::of_foot;
@@ -151,6 +152,7 @@ impl<W: Write> Writer<'_, W> {
         }
         let plan = &self.plan;
         self.warnings = limits::warnings("gcode.start", start, plan);
+        self.warnings.extend(label::warning(plan, header));
         self.warnings.extend(plan.thick_beads());
         let end = self.templates.try_end()?;
         self.warnings

@@ -39,20 +39,38 @@ pub(super) struct Around {
     pub end: String,
 }
 
+/// True if the firmware cannot tell so many parts from one another.
+fn too_many(plan: &WriterPlan<'_>, header: &Header) -> bool {
+    match plan.flavour {
+        Flavour::Bambu => header.parts.len() > MOST_BITS,
+        Flavour::Marlin | Flavour::Klipper | Flavour::Rrf | Flavour::Prusa => {
+            false
+        }
+    }
+}
+
+/// What the user should know if parts have no labels because they are too many.
+pub(super) fn warning(
+    plan: &WriterPlan<'_>,
+    header: &Header,
+) -> Option<String> {
+    let parts = header.parts.len();
+    (plan.labels && too_many(plan, header)).then(|| {
+        format!(
+            "gcode.labels: no part has a label, so the printer cannot skip one \
+             of them: Bambu Lab's firmware tells {MOST_BITS} parts from one \
+             another, and there are {parts}; print fewer of them at once"
+        )
+    })
+}
+
 impl Labels {
     /// The labels of the file's parts; none if the settings ask for none.
     pub(super) fn new(plan: &WriterPlan<'_>, header: &Header) -> Labels {
-        let flavour = plan.flavour;
-        let too_many = match flavour {
-            Flavour::Bambu => header.parts.len() > MOST_BITS,
-            Flavour::Marlin
-            | Flavour::Klipper
-            | Flavour::Rrf
-            | Flavour::Prusa => false,
-        };
-        if !plan.labels || too_many {
+        if !plan.labels || too_many(plan, header) {
             return Labels::default();
         }
+        let flavour = plan.flavour;
         let names = names(&header.parts);
         let around = |(k, name): (usize, &String)| match flavour {
             Flavour::Klipper => Around {

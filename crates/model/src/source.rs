@@ -10,7 +10,7 @@ use super::param::{Parameter, none_wanted};
 use super::script::{ScriptLimits, run_script};
 use super::vm::parse_vm;
 use fidget::context::Tree;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use isocontour::{Data, data_of, expand};
 use isoslice_base::encoding;
 use isoslice_base::files::{self, FileError};
@@ -157,6 +157,8 @@ pub struct Loaded {
     pub files: Vec<PathBuf>,
     /// What users should know of the data, in sentences.
     pub notes: Vec<String>,
+    /// How far a mesh that is the model was moved to lie near the origin, mm.
+    pub moved: DVec3,
     /// Number of distinct operations, constants and variables.
     pub expression_size: usize,
 }
@@ -282,6 +284,7 @@ fn counted(
         data: data_of(&tree),
         files: files.read(),
         notes: files.notes(),
+        moved: files.moved(),
         tree,
         parameters,
         expression_size: context.len(),
@@ -316,6 +319,7 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
         }
         Some("gcode" | "gco" | "g" | "bgcode") => "is G-code".to_owned(),
         Some("svg" | "dxf") => "is a drawing".to_owned(),
+        Some("png" | "jpg" | "jpeg") => "is a picture".to_owned(),
         Some(extension) => format!("has the extension .{extension}"),
         None => "has no extension".to_owned(),
     };
@@ -331,6 +335,13 @@ fn no_model(path: &Path, extension: Option<&str>) -> LoadError {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let kind = extension.unwrap_or_default();
             format!("write -e '{kind}({name:?})' --height 2, in its folder")
+        }
+        "is a picture" => {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            format!(
+                "write a script or a formula in its folder, where image({name:?}) \
+                 is the picture's brightness"
+            )
         }
         _ => "write the part as one, see isoslice new".to_owned(),
     };

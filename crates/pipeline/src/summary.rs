@@ -10,6 +10,7 @@ use isoslice_base::timings::Stage;
 use isoslice_base::units::{Mm, Mm2, Seconds, filament_area};
 use isoslice_check::Verdict;
 use isoslice_held::overhangs::Hanging;
+use isoslice_layer::adhesion::AdhesionPlan;
 use isoslice_model::heights::Steps;
 use isoslice_path::pace::Amount;
 use isoslice_path::spiral::Spiral;
@@ -103,6 +104,23 @@ pub struct PartSummary {
     pub filament_length: Mm,
 }
 
+/// What the user should know of a skirt that is lower than asked for.
+fn low_skirt(job: &Job<'_>) -> Option<String> {
+    let AdhesionPlan { skirt, bed, .. } = AdhesionPlan::of(&job.plate.settings);
+    let lowered = job.turns.is_some()
+        && !bed.shield
+        && skirt.loops > 0
+        && skirt.layers > 1;
+    lowered.then(|| {
+        format!(
+            "skirt.layers = {} has no effect, since the parts are printed one by \
+             one (plate.sequence) and the head has to pass over the skirt: it is \
+             one layer high; set skirt.layers to 1",
+            skirt.layers
+        )
+    })
+}
+
 impl Summary {
     /// The summary of a plate whose file is written, except for the accuracy and
     /// the times. `warnings` are those so far, to which the summary adds its own.
@@ -139,6 +157,7 @@ impl Summary {
             ..Summary::default()
         };
         summary.warnings.extend(done.warnings);
+        summary.warnings.extend(low_skirt(job));
         let per_mm = filament_area(settings.filament.diameter);
         let (mut place, mut beads) = (0, 0);
         for (planned, done_part) in job.parts.iter().zip(done.parts) {

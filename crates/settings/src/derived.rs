@@ -309,7 +309,7 @@ impl Settings {
 
     /// True if lines of skin that begins to turn in the first layer would run
     /// along those of the infill right below them.
-    fn skin_follows_infill(&self) -> bool {
+    pub(crate) fn skin_follows_infill(&self) -> bool {
         // Only lines of rectilinear and of solid infill turn with the layer as
         // skin does.
         let turns = match self.infill {

@@ -99,7 +99,21 @@ reasons! {
         " = {value} has no effect, since overhang_share = 100% leaves no wall \
          that counts as an overhang; lower it";
 
+    no_inner_walls if without_inner_walls(s) =>
+        " has no effect, since walls = {} prints no inner wall; set walls to 2 or \
+         more", s.walls;
+    no_single_overhangs
+        if s.overhang_share >= 100.0 && s.speed.overhang.same().is_some() =>
+        " has no effect, since overhang_share = 100% leaves no wall that counts \
+         as an overhang; lower it";
+
     // Skin.
+    no_top_skin if s.top_layers() == 0 && !s.is_solid() =>
+        " has no effect, since top_layers = 0 prints no solid tops; set it to 1 \
+         or more";
+    no_bridges if !s.bridges() && s.raft.layers == 0 =>
+        " has no effect, since bridge_max = 0 prints no bridges; set it to the \
+         longest one that your printer can print, 10 mm say";
     no_tops if s.ironing.is_on() && s.top_layers() == 0 =>
         " has no effect without solid tops; set top_layers to more than 0";
     not_ironed if !s.ironing.is_on() =>
@@ -132,7 +146,21 @@ reasons! {
         round(s.contour_z_full_angle().at(s.thickest_layer())),
         round(s.thickest_layer()), round(s.nozzle_flat());
 
+    nothing_to_bridge if s.internal_bridges.is_on() && s.is_solid() =>
+        " has no effect, since infill_density = 100% leaves no sparse infill to \
+         bridge; leave one of them out";
+
     // Infill.
+    no_sparse_infill if s.is_solid() || s.is_hollow() =>
+        " has no effect, since infill_density = {}% prints no sparse infill; set \
+         it between 0 and 100", density(s);
+    nothing_runs_along
+        if (s.is_solid() || s.is_hollow())
+            && s.supports == Supports::Off
+            && s.raft.layers == 0
+            && !s.skin_follows_infill() =>
+        " has no effect, since infill_density = {}% prints no sparse infill; the \
+         lines of skin have skin_angle", density(s);
     infill_of_a_pattern
         if s.infill_is_pattern() && s.infill_mode != InfillMode::Surface =>
         " has no effect: it says what an expression of infill is, and infill is \
@@ -191,6 +219,9 @@ reasons! {
         if s.cooling.min_speed > fastest(s) && s.cooling.min_layer_time > 0.0 =>
         " = {value} mm/s is more than any printing speed, so no layer can be \
          slowed down to take cooling.min_layer_time; lower it";
+    never_slowed if s.cooling.min_layer_time == 0.0 =>
+        " has no effect, since cooling.min_layer_time = 0 slows no layer down; \
+         give it a time, 8 s say";
     fan_still_off
         if (1..=s.cooling.fan_off_layers).contains(&s.cooling.full_fan_layer) =>
         " = {value} has no effect, since the fan is off on the first \
@@ -204,6 +235,15 @@ reasons! {
     no_retraction if s.retract.length == 0.0 && value.parse() != Ok(0.0) =>
         " = {value} mm has no effect, since retract.length = 0 turns retraction \
          off; give it a length, 0.8 mm say";
+    never_retracted if s.retract.length == 0.0 && value.parse() != Ok(0.0) =>
+        " has no effect, since retract.length = 0 turns retraction off; give it a \
+         length, 0.8 mm say";
+    never_wiped
+        if s.retract.length > 0.0
+            && s.retract.wipe == 0.0
+            && s.retract.before_wipe > 0.0 =>
+        " has no effect, since retract.wipe = 0 wipes nothing; give it a length, \
+         1 mm say";
     limits_of_the_printer if !s.gcode.set_limits && s.acceleration.by_role() =>
         " = false keeps the accelerations by role from the printer: they only \
          count for the estimate; set it to true, or the accelerations to 0";
@@ -231,6 +271,17 @@ fn top_walls(s: &Settings) -> bool {
 
 fn interlocking(s: &Settings) -> bool {
     s.walls_interlocked && !s.is_vase()
+}
+
+/// True if no part has a wall behind its outer one. A vase has as many walls as
+/// spiral says, and infill that is a shape has walls of its own.
+fn without_inner_walls(s: &Settings) -> bool {
+    s.walls < 2 && !s.is_vase() && s.infill_mode == InfillMode::Surface
+}
+
+/// The share of the inside that is printed, 0 or 100 %.
+fn density(s: &Settings) -> f64 {
+    s.infill_density.constant().unwrap_or_default()
 }
 
 /// True if a scarf is to rise.
@@ -271,6 +322,69 @@ fn fastest(s: &Settings) -> f64 {
 #[cfg(test)]
 mod tests {
     use crate::Builder;
+
+    /// What is warned of, of the last of some assignments.
+    fn told(assignments: &[&str]) -> Vec<String> {
+        let mut builder = Builder::new();
+        for assignment in assignments {
+            builder.set(assignment).unwrap_or_else(|e| panic!("{e}"));
+        }
+        let last = assignments.last().and_then(|last| last.split_once('='));
+        let (key, _) = last.unwrap_or_default();
+        let (_, mut warnings) = builder.finish().unwrap();
+        warnings.retain(|w| w.starts_with(&format!("{key} has no effect")));
+        warnings
+    }
+
+    #[test]
+    fn what_another_setting_turns_off_is_told() {
+        for (other, on, given) in [
+            ("walls=1", "walls=2", "wall_order=outer-first"),
+            ("walls=1", "walls=2", "speed.inner_wall=50"),
+            ("top_layers=0", "top_layers=1", "top_skin_width=0.4"),
+            ("bridge_max=0", "bridge_max=5", "bridge_flow=90"),
+            ("infill_density=100", "infill_density=99", "infill=gyroid"),
+            ("infill_density=0", "infill_density=1", "infill=gyroid"),
+            ("infill_density=100", "infill_density=99", "infill_angle=10"),
+            (
+                "infill_density=0",
+                "infill_density=1",
+                "speed.sparse_infill=50",
+            ),
+            (
+                "infill_density=100",
+                "infill_density=99",
+                "internal_bridges=true",
+            ),
+            (
+                "overhang_share=100",
+                "overhang_share=99",
+                "speed.overhang=10",
+            ),
+            (
+                "cooling.min_layer_time=0",
+                "cooling.min_layer_time=5",
+                "cooling.min_speed=5",
+            ),
+            ("retract.length=0", "retract.length=1", "retract.wipe=1"),
+            ("retract.length=0", "retract.length=1", "retract.speed=30"),
+            ("retract.wipe=0", "retract.wipe=1", "retract.before_wipe=50"),
+        ] {
+            assert_eq!(told(&[other, given]).len(), 1, "{other} {given}");
+            assert_eq!(told(&[on, given]), [""; 0], "{on} {given}");
+        }
+        // Some have other effects.
+        let supported = ["supports=auto", "infill_density=100"];
+        for given in [
+            &["infill_density=100", "raft.layers=2", "infill_angle=10"][..],
+            &[supported[0], supported[1], "infill_angle=10"],
+            &["bridge_max=0", "raft.layers=2", "bridge_flow=90"],
+            &["overhang_share=100", "speed.overhang=25: 30, 100: 10"],
+            &["walls=1", "spiral=3", "speed.inner_wall=50"],
+        ] {
+            assert_eq!(told(given), [""; 0], "{given:?}");
+        }
+    }
 
     #[test]
     fn minus_zero_asks_for_nothing() {

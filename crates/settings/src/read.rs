@@ -11,7 +11,7 @@ use super::profile::{Profile, Profiles};
 use super::shipped::ProfileKind;
 use super::table::{self, Key};
 use super::text::{self, HEAD, line_of};
-use super::value::{Raw, Refused, formula};
+use super::value::{Raw, Refused, ValueKind, formula};
 use super::{Settings, keys};
 use isoslice_base::units::human_list;
 use std::ops::Range;
@@ -149,7 +149,8 @@ impl Builder {
 
     /// Takes over one `key=value`. The value is read as the key's type asks:
     /// text needs no quotes, but within double quotes escapes such as `\n`
-    /// are understood.
+    /// are understood. In a template of G-code `\n` is a new line without
+    /// quotes, too, as in files of PrusaSlicer.
     ///
     /// # Errors
     /// If there is no such key, or its value is of the wrong type or out of
@@ -167,6 +168,10 @@ impl Builder {
             let parsed =
                 DeValue::parse(value).map_err(|_| malformed())?.into_inner();
             return self.assign(key, text::raw(&parsed), GivenIn::Set);
+        }
+        if table::find(key).is_some_and(Key::is_template) {
+            let lines = value.replace("\\n", "\n");
+            return self.assign(key, Raw::Word(&lines), GivenIn::Set);
         }
         self.assign(key, Raw::Word(value), GivenIn::Set)
     }
@@ -313,6 +318,13 @@ fn elsewhere(key: &Key, raw: Raw<'_>) -> String {
     let is_formula = formula(raw).is_some();
     let adaptive = matches!(raw, Raw::Text("adaptive") | Raw::Word("adaptive"));
     let is_number = raw.describe().parse::<f64>().is_ok();
+    // What the others take says so.
+    if let Some(number) = raw.number_with_unit()
+        && key.kind() == ValueKind::Varying
+        && !key.unit.is_empty()
+    {
+        return format!(", or write the number without its unit: {number}");
+    }
     let other = match key.name {
         "layer_height" if is_formula || adaptive => "layer_heights",
         "layer_heights" if is_number => "layer_height",

@@ -105,7 +105,7 @@ table::settings! {
         /// or the outer one unless it hangs over by more than overhang_share,
         /// so that each wall is laid beside one that holds it.
         wall_order: WallOrder = WallOrder::InnerFirst,
-            idle no_overhangs | order_in_a_vase;
+            idle no_overhangs | order_in_a_vase | no_inner_walls;
         /// How walls are offset: by distance in the layer's plane, right for
         /// every field, or by the field's own value, right only where the
         /// field is that distance.
@@ -158,7 +158,8 @@ table::settings! {
         skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Width of the lines of skin that faces upwards; auto takes
         /// skin_width.
-        top_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
+        top_skin_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0,
+            idle no_top_skin;
         /// Pattern of skin, except where it is nowhere wider than 5 lines:
         /// there strokes follow its border. Lines that face upwards are swept
         /// one way, which shines evenly, unless they are unordered-lines. Skin
@@ -220,7 +221,7 @@ table::settings! {
         /// part's underside over a raft.
         bridge_max: Mm = 10.0, in 0.0..=1000.0;
         /// Material of bridges, as a share of what skin would get.
-        bridge_flow: Percent = 100.0, in 10.0..=300.0;
+        bridge_flow: Percent = 100.0, in 10.0..=300.0, idle no_bridges;
         /// Whether the lowest solid layer over sparse infill gets lines across
         /// those of the infill, which end on the infill or on walls. The
         /// following layers lie on it. Parts without walls have none. A number
@@ -228,7 +229,7 @@ table::settings! {
         /// infill_density is below 10%, else 1. If the density is an expression,
         /// the distance between the infill's lines decides.
         internal_bridges: SwitchOr<u32> = SwitchOr::On, in 1..=10,
-            idle unheld_ends | in_a_vase;
+            idle unheld_ends | in_a_vase | nothing_to_bridge;
         /// Material of internal bridges, as a share of what skin would get.
         internal_bridge_flow: Percent = 100.0, in 10.0..=300.0,
             idle no_internal_bridges | unheld_internal_bridges;
@@ -263,7 +264,7 @@ table::settings! {
         /// script, is a pattern of your own: beads where it is zero, or a shape
         /// that is negative inside (infill_mode).
         infill: Infill = Infill::Pattern(InfillPattern::Rectilinear),
-            idle above_flat_layers;
+            idle above_flat_layers | no_sparse_infill;
         /// What an expression of infill is: a surface to lay beads on, or a
         /// solid to print like a part of its own, with one wall, or with the
         /// number of walls written here.
@@ -274,7 +275,7 @@ table::settings! {
         infill_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Direction of infill lines, counter-clockwise from the x axis.
         infill_angle: Degrees = 45.0, in -360.0..=360.0,
-            idle turned_by_expression;
+            idle turned_by_expression | nothing_runs_along;
         /// How far sparse infill reaches into the wall or skin around it, as
         /// a share of its line width; skin has skin_wall_overlap.
         infill_overlap: Percent = 25.0, in 0.0..=100.0;
@@ -370,13 +371,13 @@ table::settings! {
             in 0.1..=2000.0;
         /// Speed of the walls behind the outer wall.
         inner_wall: Varying<MmPerSec> = Varying::Constant(60.0),
-            in 0.1..=2000.0;
+            in 0.1..=2000.0, idle no_inner_walls;
         /// Speed of the beads that fill gaps between walls.
         gap_fill: Varying<MmPerSec> = Varying::Constant(60.0),
             in 0.1..=2000.0;
         /// Speed of sparse infill.
         sparse_infill: Varying<MmPerSec> = Varying::Constant(80.0),
-            in 0.1..=2000.0;
+            in 0.1..=2000.0, idle no_sparse_infill;
         /// Speed of solid layers that are covered from both sides.
         internal_skin: Varying<MmPerSec> = Varying::Constant(60.0),
             in 0.1..=2000.0;
@@ -404,7 +405,7 @@ table::settings! {
         /// wall's own at 0% on, and is never more than that. What lies over a
         /// support counts half.
         overhang: OverhangSpeed = OverhangSpeed::Same(Varying::Constant(20.0)),
-            in 0.1..=2000.0;
+            in 0.1..=2000.0, idle no_single_overhangs;
         /// Speed of ironing.
         ironing: Varying<MmPerSec> = Varying::Constant(20.0),
             in 0.1..=2000.0, idle not_ironed;
@@ -470,9 +471,9 @@ table::settings! {
         /// Length of filament pulled back; 0 turns retraction off.
         length: Mm = 0.8, in 0.0..=50.0;
         /// Speed of pulling back.
-        speed: MmPerSec = 35.0, in 0.1..=500.0;
+        speed: MmPerSec = 35.0, in 0.1..=500.0, idle never_retracted;
         /// Speed of pushing forward again.
-        prime_speed: MmPerSec = 35.0, in 0.1..=500.0;
+        prime_speed: MmPerSec = 35.0, in 0.1..=500.0, idle never_retracted;
         /// Straight travels shorter than this never retract. Where one would
         /// show, the nozzle goes round if it can. If the way round shows, too,
         /// and is at least this long, it retracts; if it is also more than 3
@@ -487,10 +488,11 @@ table::settings! {
         /// How far the nozzle goes on along the bead just printed while it
         /// retracts: round a closed one, back along an open one; 0 for no
         /// wiping.
-        wipe: Mm = 0.0, in 0.0..=100.0;
+        wipe: Mm = 0.0, in 0.0..=100.0, idle never_retracted;
         /// Share of the retraction that is done before the wipe; the rest is
         /// done during the wipe.
-        before_wipe: Percent = 0.0, in 0.0..=100.0;
+        before_wipe: Percent = 0.0, in 0.0..=100.0,
+            idle never_retracted | never_wiped;
         /// How far the nozzle is lifted during a retracted travel.
         z_hop: Mm = 0.0, in 0.0..=10.0, idle no_retraction;
         /// Which retracted travels are lifted.
@@ -570,7 +572,8 @@ table::settings! {
         /// slower.
         min_layer_time: Seconds = 8.0, in 0.0..=3600.0;
         /// Least speed to which min_layer_time slows beads down.
-        min_speed: MmPerSec = 10.0, in 0.1..=2000.0, idle no_slowing;
+        min_speed: MmPerSec = 10.0, in 0.1..=2000.0,
+            idle no_slowing | never_slowed;
     }
     /// The material.
     filament: Filament {

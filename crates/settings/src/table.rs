@@ -193,6 +193,11 @@ impl Key {
         self.name.split_once('.').map_or("", |(group, _)| group)
     }
 
+    /// True if the value is a template of G-code.
+    pub(super) fn is_template(&self) -> bool {
+        self.group() == "gcode" && self.kind() == ValueKind::Text
+    }
+
     /// The name within the group.
     pub(super) fn leaf(&self) -> &'static str {
         self.name

@@ -77,6 +77,21 @@ impl Raw<'_> {
         text.trim().strip_suffix("mm").map(str::trim_end)
     }
 
+    /// The number before letters or a degree sign: `210` of `210 °C`.
+    pub(super) fn number_with_unit(&self) -> Option<&str> {
+        let (Raw::Text(text) | Raw::Word(text)) = self else {
+            return None;
+        };
+        /// The longest sign of a unit is `mm³/s`; longer ones are other words.
+        const LONGEST: usize = 5;
+        let of_unit = |c: char| c.is_alphabetic() || "°/²³".contains(c);
+        let number = text.trim().trim_end_matches(of_unit);
+        let unit = text.trim().strip_prefix(number).unwrap_or_default();
+        let number = number.trim_end();
+        let has_unit = (1..=LONGEST).contains(&unit.chars().count());
+        (has_unit && number.parse::<f64>().is_ok()).then_some(number)
+    }
+
     /// The value as it was given, for error messages.
     pub(super) fn describe(&self) -> String {
         match self {

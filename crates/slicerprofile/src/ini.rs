@@ -20,6 +20,8 @@ pub(crate) struct Ini {
     pub(crate) plain: Values,
     /// Sections by kind and name, with the names from which they inherit.
     sections: BTreeMap<(PresetKind, String), (Values, Vec<String>)>,
+    /// Keys that are given more than once in a section. The last one counts.
+    pub(crate) repeated: BTreeSet<String>,
     /// Number of lines that are neither a section, an entry nor a comment.
     pub(crate) odd: usize,
 }
@@ -54,20 +56,24 @@ pub(crate) fn read(text: &str) -> Ini {
             continue;
         };
         let (key, value) = (key.trim(), value.trim());
-        match &section {
+        let values = match &section {
             Some(at) => {
                 let (values, parents) =
                     ini.sections.entry(at.clone()).or_default();
                 if key == "inherits" {
                     *parents = names(value);
-                } else {
-                    values.set(key, items(value));
+                    continue;
                 }
+                values
             }
             // `[vendor]`, `[printer_model:…]`, `[obsolete_presets]`.
-            None if skipped => {}
-            None => ini.plain.set(key, items(value)),
+            None if skipped => continue,
+            None => &mut ini.plain,
+        };
+        if values.text(key).is_some() {
+            ini.repeated.insert(key.to_owned());
         }
+        values.set(key, items(value));
     }
     ini
 }
@@ -230,6 +236,15 @@ mod tests {
         assert_eq!(got, [3.0, 2.0, 1.0]);
         assert_eq!(ini.list().len(), 1);
         assert!(ini.plain.is_empty());
+    }
+
+    #[test]
+    fn keys_that_are_given_twice_are_known() {
+        let ini = read("a = 1\nb = 2\na = 3\n[print:x]\na = 1\nb = 1\nb = 2\n");
+        assert_eq!(Vec::from_iter(ini.repeated), ["a", "b"]);
+        assert_eq!(ini.plain.number("a"), Some(3.0));
+        let ini = read("a = 1\n[print:x]\na = 1\n[print:y]\na = 1\n");
+        assert!(ini.repeated.is_empty());
     }
 
     #[test]

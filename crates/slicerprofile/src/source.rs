@@ -4,6 +4,7 @@ use crate::values::Values;
 use crate::{
     Error, PresetKind, archive, cura, formula, gcode, ini, orca, project,
 };
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -65,6 +66,9 @@ pub struct Source {
     path: PathBuf,
     /// The slicer to whose words the file's keys belong.
     pub slicer: Slicer,
+    /// Keys that an .ini file gives more than once in a section. The last one
+    /// counts.
+    pub repeated: BTreeSet<String>,
     held: Held,
 }
 
@@ -106,9 +110,19 @@ impl Source {
             return Ok(Source::one(path, slicer, values, None, None));
         }
         if ends(&[".3mf"]) {
-            let text = project::settings(regular(path)?).map_err(wrong)?;
-            let own = orca::read(&text).map_err(wrong)?;
-            return Ok(Source::one(path, Slicer::Orca, own.values, None, None));
+            let found = project::settings(regular(path)?);
+            let (slicer, text) = found.map_err(wrong)?;
+            let values = if slicer == Slicer::Prusa {
+                // It has the form of what G-code ends with.
+                gcode::read(&text).ok_or_else(|| {
+                    let few = "its configuration has hardly any keys; let \
+                               PrusaSlicer export it as .ini";
+                    wrong(few.to_owned())
+                })?
+            } else {
+                orca::read(&text).map_err(wrong)?.values
+            };
+            return Ok(Source::one(path, slicer, values, None, None));
         }
         if ends(&[".bgcode", ".stl", ".orca_printer", ".bbscfg"]) {
             return Err(wrong(
@@ -148,12 +162,16 @@ impl Source {
             let (_, values) = cura::instance(text);
             return Ok(Source::one(path, Slicer::Cura, values, None, None));
         }
-        let ini = ini::read(text);
+        let mut ini = ini::read(text);
+        let repeated = std::mem::take(&mut ini.repeated);
         let entries = ini.plain.len();
         if ini.is_bundle() {
-            let (path, slicer) = (path.to_owned(), Slicer::Prusa);
-            let held = Held::Bundle(ini);
-            return Ok(Source { path, slicer, held });
+            return Ok(Source {
+                path: path.to_owned(),
+                slicer: Slicer::Prusa,
+                repeated,
+                held: Held::Bundle(ini),
+            });
         }
         if entries == 0 || ini.odd > entries {
             return Err(wrong(
@@ -164,7 +182,10 @@ impl Source {
             ));
         }
         let slicer = of_words(&ini.plain);
-        Ok(Source::one(path, slicer, ini.plain, None, None))
+        Ok(Source {
+            repeated,
+            ..Source::one(path, slicer, ini.plain, None, None)
+        })
     }
 
     fn one(
@@ -181,6 +202,7 @@ impl Source {
         Source {
             path: path.to_owned(),
             slicer,
+            repeated: BTreeSet::new(),
             held: Held::One { values, name, kind },
         }
     }

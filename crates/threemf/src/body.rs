@@ -68,6 +68,12 @@ pub(crate) fn of(name: &str, parts: Parts) -> Result<Body, MeshError> {
     joining.data.extend(parts.data);
     let left_out = parts.left_out.iter().map(|what| format!("left out {what}"));
     joining.notes.extend(left_out);
+    joining.notes.extend(parts.settings.map(|file| {
+        format!(
+            "the project's own settings ({file}) are not used; isoslice profiles \
+             import makes profiles of them"
+        )
+    }));
     let Joining { data, notes, .. } = joining;
     let tree = trees.into_iter().reduce(|a, b| a.min(b));
     let tree = tree.ok_or(MeshError::Empty)?;

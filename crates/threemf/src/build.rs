@@ -19,7 +19,7 @@ use isoslice_base::limits::Watch;
 use isoslice_mesh::{
     Collector, MOST_STRUTS, MOST_TRIANGLES, MeshError, Strut, Triangles,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -48,6 +48,13 @@ const MOST_UNBOXED: usize = 4;
 /// one in four such meshes.
 const UNBOXED_WORK: u64 = 4_000_000;
 
+/// The files with the settings of a project: PrusaSlicer's, OrcaSlicer's and Bambu
+/// Studio's.
+const SETTINGS: [&str; 2] = [
+    "Metadata/Slic3r_PE.config",
+    "Metadata/project_settings.config",
+];
+
 /// What is to be built.
 #[derive(Default)]
 pub(crate) struct Parts {
@@ -60,6 +67,8 @@ pub(crate) struct Parts {
     pub data: Vec<Arc<dyn Data>>,
     /// What is no part of the body, and was left out.
     pub left_out: Vec<String>,
+    /// The file with the settings of a slicer, if the archive has one.
+    pub settings: Option<&'static str>,
 }
 
 impl Parts {
@@ -179,7 +188,16 @@ impl<R: Read + Seek> Building<R> {
             let what = format!("{} beams or balls of no thickness", self.thin);
             self.leave_out(&what);
         }
+        let models = self.models.values();
+        let painted = models.flat_map(|model| model.painted.iter().copied());
+        for what in painted.collect::<BTreeSet<_>>() {
+            self.leave_out(what);
+        }
+        let names = self.package.names();
         let mut parts = self.parts;
+        parts.settings = SETTINGS
+            .into_iter()
+            .find(|name| names.contains(&name.to_lowercase()));
         parts.triangles = match self.all.finish() {
             Ok(triangles) => Some(triangles),
             Err(MeshError::Empty) => None,

@@ -12,7 +12,7 @@ use crate::transform::transform;
 use crate::xml::{self, Element, Event};
 use glam::{DAffine3, DVec3};
 use isoslice_mesh::{MOST_TRIANGLES, MeshError};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek};
 use std::rc::Rc;
 
@@ -73,6 +73,8 @@ pub(crate) struct Model {
     pub stacks: BTreeMap<u32, Stack>,
     /// True if something varies inside bodies, such as their colour.
     pub has_volume_data: bool,
+    /// What is painted on its triangles.
+    pub painted: BTreeSet<&'static str>,
 }
 
 /// Greatest number of objects that are placed. Plates hold some hundreds.
@@ -101,6 +103,18 @@ const OF_CURA: [(&str, &str); 4] = [
     ("cura:anti_overhang_mesh", "a support blocker"),
 ];
 
+/// What slicers paint on triangles, by the attribute's name. PrusaSlicer's have
+/// the prefix slic3rpe.
+fn painted(attribute: &str) -> Option<&'static str> {
+    match attribute {
+        "custom_supports" | "paint_supports" => Some("painted supports"),
+        "custom_seam" | "paint_seam" => Some("painted seams"),
+        "mmu_segmentation" | "paint_color" => Some("painted filaments"),
+        "fuzzy_skin" | "paint_fuzzy_skin" => Some("painted fuzzy skin"),
+        _ => None,
+    }
+}
+
 /// Reads a model file of an archive.
 pub(crate) fn read<R: Read + Seek>(
     package: &mut Package<R>,
@@ -114,6 +128,7 @@ pub(crate) fn read<R: Read + Seek>(
             functions: BTreeMap::new(),
             stacks: BTreeMap::new(),
             has_volume_data: false,
+            painted: BTreeSet::new(),
         },
         image: None,
         function: None,
@@ -345,6 +360,7 @@ impl Reading {
                     element.number("v3")?,
                 ];
                 object.triangles.push(corners);
+                self.model.painted.extend(element.among_attributes(painted));
                 within(object.triangles.len())
             }
             ("component", Some((_, object))) => {

@@ -143,6 +143,16 @@ impl<'a> Element<'a> {
         }
     }
 
+    /// The first of its attributes' names, without prefixes, for which something is
+    /// known.
+    pub(crate) fn among_attributes<T>(
+        &self,
+        known: impl Fn(&str) -> Option<T>,
+    ) -> Option<T> {
+        self.attributes()
+            .find_map(|a| known(a.key.local_name().as_ref()))
+    }
+
     /// Attributes that name a prefix: prefix and namespace.
     pub(crate) fn prefixes(&self) -> Vec<(String, String)> {
         let named = self.attributes().filter_map(|a| {

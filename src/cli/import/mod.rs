@@ -89,7 +89,16 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<()> {
         if args.list {
             return list(&source);
         }
-        Import::new(&args.file, source.pick(&args.name)?)?
+        let mut import = Import::new(&args.file, source.pick(&args.name)?)?;
+        let repeated = source.repeated.iter();
+        import.remarks.extend(repeated.map(|key| {
+            format!(
+                "{} is given more than once in the file, and the last one \
+                 counts; leave the others out",
+                plain::line(key)
+            )
+        }));
+        import
     };
     if has_few {
         import.remarks.push(

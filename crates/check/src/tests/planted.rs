@@ -172,8 +172,29 @@ fn axes_are_not_homed_over_a_print() {
     for code in ["G28", "G28 Z", "g28 w", "G28 X Y"] {
         let kinds = found(&format!("{code}\n"));
         assert_eq!(kinds[0], (FindingKind::Harmful, 1), "{code}");
-        let beside = format!("{code}\n{}{code}\n", print_with(""));
-        assert!(verdict(&beside).counts.is_empty(), "{code}");
+    }
+}
+
+/// After the print, too, z is not homed where something is printed.
+#[test]
+fn z_is_not_homed_over_a_finished_print() {
+    let over = |code: &str| {
+        let file = format!("{code}\n{}{code}\n", print_with(""));
+        verdict(&file).counts.into_iter().collect::<Vec<_>>()
+    };
+    // Where the head is after all axes are homed, nothing is printed.
+    for code in ["G28", "g28 w", "G28 X Y", "G28 X0 Y0"] {
+        assert_eq!(over(code), [], "{code}");
+    }
+    assert_eq!(over("G28 Z"), [(FindingKind::Changed, 1)]);
+    let aside = format!("{}G1 Z9 F600\nG1 X200 F6000\nG28 Z\n", print_with(""));
+    assert!(verdict(&format!("G28\n{aside}")).counts.is_empty());
+    // The middle of this bed is within the print.
+    let small = ["printer.bed_x=110", "printer.bed_y=110"];
+    for code in ["G28", "G28 Z"] {
+        let file = format!("G28\n{}{code}\n", print_with(""));
+        let all = verdict_with(&file, &small);
+        assert_eq!(count(&all, FindingKind::Changed), 1, "{code}: {all:?}");
     }
 }
 

@@ -26,6 +26,8 @@ pub struct OverhangPlan {
     pub thickest_layer: Mm,
     /// Number of the raft's layers.
     pub raft_layers: usize,
+    /// True if the part is a vase, which has no supports.
+    pub vase: bool,
 }
 
 /// Longest lines of skin across a gap that count as bridges if `bridge_max` is 0,
@@ -49,6 +51,7 @@ impl OverhangPlan {
             thinnest: THINNEST_PLACE * settings.thinnest_line(),
             thickest_layer: settings.thickest_layer(),
             raft_layers: settings.raft_layers(),
+            vase: settings.is_vase(),
         }
     }
 

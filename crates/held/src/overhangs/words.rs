@@ -34,23 +34,34 @@ impl Hanging {
     /// What the user should know. `height` is the part's.
     pub fn warnings(&self, height: Mm, plan: &OverhangPlan) -> Vec<String> {
         let mut all = Vec::new();
+        // A vase has no supports.
+        let supported = if plan.vase {
+            ""
+        } else {
+            "set supports = \"auto\", "
+        };
         let inside = &self.in_cavity;
         if inside.largest >= ISLAND {
             all.push(format!(
                 "what begins at {} hangs in a cavity of the part{}: nothing \
-                 holds it while it is printed; if the cavity is open below or \
-                 above, set supports = \"auto\", otherwise turn the part, or give \
-                 the cavity a hole through which supports can be taken out",
+                 holds it while it is printed; {}turn the part, or give the \
+                 cavity a hole through which supports can be taken out",
                 place(inside),
-                others(inside.count)
+                others(inside.count),
+                if plan.vase {
+                    ""
+                } else {
+                    "if the cavity is open below or above, set supports = \
+                     \"auto\", otherwise "
+                }
             ));
         }
         let begins = &self.in_the_open;
         if begins.largest >= ISLAND {
             all.push(format!(
                 "what begins at {} begins on nothing{}: it would be printed \
-                 into the air; set supports = \"auto\", turn the part, or give \
-                 it something to stand on in the model",
+                 into the air; {supported}turn the part, or give it something to \
+                 stand on in the model",
                 place(begins),
                 others(begins.count)
             ));
@@ -60,9 +71,9 @@ impl Hanging {
             all.push(format!(
                 "{:.0} mm² of undersides lean by more than support.angle = \
                  {}° from the vertical and get up to {:.1} mm away from what \
-                 holds them, the first at {}: they will sag; set supports = \"auto\", \
-                 turn the part or make them steeper, or raise \
-                 support.angle if your printer does better",
+                 holds them, the first at {}: they will sag; {supported}turn the \
+                 part or make them steeper, or raise support.angle if your \
+                 printer does better",
                 leans.area,
                 plan.angle,
                 leans.reach,

@@ -12,6 +12,7 @@ use super::options::Options;
 use super::taken::Taken;
 use super::version::FileVersion;
 use fidget::context::Tree;
+use glam::DVec3;
 use isocontour::Data;
 use isoslice_base::units::human_bytes;
 use std::collections::{BTreeSet, HashMap};
@@ -51,6 +52,8 @@ struct Kept {
     shared: BTreeSet<usize>,
     /// How often something was asked for that was not kept.
     times: u64,
+    /// How far the model's own mesh was moved.
+    moved: DVec3,
     /// What was made of each thing that was asked for.
     trees: HashMap<Version, Tree>,
 }
@@ -124,32 +127,43 @@ impl Files {
     ) -> Result<Tree, String> {
         let file = kind.file_of(text, options);
         let path = file.map(|name| self.folder.find(name)).transpose()?;
-        self.made(kind, text, path.as_deref(), options)
+        self.made(
+            &Asked {
+                text,
+                path: path.as_deref(),
+                options,
+                is_model: false,
+            },
+            kind,
+        )
     }
 
-    /// A mesh's file as a function of x, y and z.
+    /// A mesh's file as a function of x, y and z. One that lies far from the origin
+    /// is moved there.
     ///
     /// # Errors
     /// In words, if it cannot be read.
     pub(crate) fn mesh(&self, path: &Path) -> Result<Tree, String> {
         let kind = kind("mesh").ok_or("meshes are not known")?;
         let shown = path.file_name().unwrap_or_default().to_string_lossy();
-        self.made(kind, &shown, Some(path), &Options::new())
+        self.made(
+            &Asked {
+                text: &shown,
+                path: Some(path),
+                options: &Options::new(),
+                is_model: true,
+            },
+            kind,
+        )
     }
 
-    fn made(
-        &self,
-        kind: &Kind,
-        text: &str,
-        path: Option<&Path>,
-        options: &Options,
-    ) -> Result<Tree, String> {
-        let asked = Asked {
-            text,
-            path,
-            options,
-        };
-        let version = Version::of(kind, &asked)?;
+    /// How far the model's own mesh was moved to lie near the origin, mm.
+    pub(crate) fn moved(&self) -> DVec3 {
+        lock(&self.kept).moved
+    }
+
+    fn made(&self, asked: &Asked<'_>, kind: &Kind) -> Result<Tree, String> {
+        let version = Version::of(kind, asked)?;
         let own = |version| lock(&self.kept).trees.get(version).cloned();
         if let Some(tree) = version.as_ref().and_then(own) {
             return Ok(tree);
@@ -157,12 +171,18 @@ impl Files {
         // What other models made counts too: whether a model is refused must
         // not depend on them.
         lock(&self.kept).count(kind, self.most.times)?;
-        let Made { tree, data, notes } = match version.as_ref().and_then(known)
-        {
+        let made = match version.as_ref().and_then(known) {
             Some(made) => made,
-            None => make(kind, &asked, version.clone(), &self.taken)?,
+            None => make(kind, asked, version.clone(), &self.taken)?,
         };
+        let Made {
+            tree,
+            data,
+            notes,
+            moved,
+        } = made;
         let mut kept = lock(&self.kept);
+        kept.moved += moved;
         kept.keep(data, notes, self.most.bytes)?;
         kept.trees
             .extend(version.map(|version| (version, tree.clone())));
@@ -232,7 +252,7 @@ impl Version {
                 known => known,
             },
         };
-        let all = (kind.name, asked.text, asked.options);
+        let all = (kind.name, asked.text, asked.options, asked.is_model);
         let asked = format!("{all:?}");
         Ok(Some(Version { asked, file }))
     }
@@ -244,6 +264,7 @@ struct Known {
     tree: Tree,
     data: Vec<Weak<dyn Data>>,
     notes: Vec<String>,
+    moved: DVec3,
 }
 
 impl Known {
@@ -253,6 +274,7 @@ impl Known {
             tree: self.tree.clone(),
             data: self.data.iter().map(Weak::upgrade).collect::<Option<_>>()?,
             notes: self.notes.clone(),
+            moved: self.moved,
         })
     }
 
@@ -288,6 +310,7 @@ fn make(
             tree: made.tree.clone(),
             data: made.data.iter().map(Arc::downgrade).collect(),
             notes: made.notes.clone(),
+            moved: made.moved,
         });
     }
     Ok(made)

@@ -4,8 +4,8 @@ use super::folder::Folder;
 use super::options::{Given, Options, Reader};
 use super::pictures::picture;
 use fidget::context::Tree;
-use glam::DVec3;
-use isocontour::{Data, call};
+use glam::{DAffine3, DVec3};
+use isocontour::{Bounds, Data, call};
 use isoslice_base::pairs;
 use isoslice_base::problem::NamedProblem;
 use isoslice_drawings::{
@@ -33,6 +33,8 @@ pub(super) struct Made {
     /// The data in the expression, which does not keep it.
     pub data: Vec<Arc<dyn Data>>,
     pub notes: Vec<String>,
+    /// How far it was moved to lie near the origin, mm.
+    pub moved: DVec3,
 }
 
 impl Made {
@@ -52,6 +54,7 @@ impl Made {
             tree: call(&data, [x, y, z]),
             data: vec![data],
             notes,
+            moved: DVec3::ZERO,
         }
     }
 }
@@ -78,6 +81,8 @@ pub(super) struct Asked<'a> {
     /// The file to read, if there is one.
     pub path: Option<&'a Path>,
     pub options: &'a Options,
+    /// True if the file is the model itself, and may be moved to the origin.
+    pub is_model: bool,
 }
 
 impl Asked<'_> {
@@ -202,10 +207,16 @@ fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
     if extension(path) == OF_3MF {
         let body = isoslice_threemf::read(&name, open()?);
         let body = body.map_err(|e| e.to_string())?;
+        let extents = body.data.iter();
+        let extents = extents.filter_map(|d| d.extent(&DAffine3::IDENTITY));
+        if let Some(away) = extents.filter_map(|e| too_far(&e)).next() {
+            return Err(too_far_away(away, "save it near the origin"));
+        }
         return Ok(Made {
             tree: body.tree,
             data: body.data,
             notes: body.notes.into_iter().map(noted).collect(),
+            moved: DVec3::ZERO,
         });
     }
     let format = Format::of_extension(&extension(path));
@@ -213,11 +224,51 @@ fn mesh(asked: &Asked<'_>) -> Result<Made, String> {
         "its name is not known as a mesh's; meshes are .stl, .obj, .ply and \
          .3mf files",
     )?;
-    let triangles =
+    let mut triangles =
         isoslice_mesh::read(open()?, format).map_err(|e| e.to_string())?;
+    let mut moved = DVec3::ZERO;
+    let mut notes = Vec::new();
+    let bounds = triangles.bounds();
+    if let Some(away) = too_far(&bounds) {
+        if !asked.is_model {
+            let advice = "move it near the origin in the program that made it, \
+                          or slice the file itself, which is moved there";
+            return Err(too_far_away(away, advice));
+        }
+        moved = -bounds.centre().round();
+        triangles.transform(&DAffine3::from_translation(moved));
+        notes.push(noted(format!(
+            "moved to the origin, since its coordinates of {:.0} m are too far \
+             from it to be exact",
+            away / 1000.0
+        )));
+    }
     let mesh = Mesh::new(&name, triangles).map_err(|e| e.to_string())?;
-    let notes = mesh.facts().repairs().into_iter().map(noted).collect();
-    Ok(Made::leaf(Arc::new(mesh), notes))
+    notes.extend(mesh.facts().repairs().into_iter().map(noted));
+    Ok(Made {
+        moved,
+        ..Made::leaf(Arc::new(mesh), notes)
+    })
+}
+
+/// How far from the origin a body lies, mm, if places there are not exact enough:
+/// they have 24 bits.
+fn too_far(bounds: &Bounds) -> Option<f64> {
+    /// Here places are 2 µm apart, and farther away more.
+    const FAR: f64 = 20_000.0;
+    /// Bodies that are large enough for their distance are scaled down.
+    const SIZES: f64 = 100.0;
+    let away = bounds.centre().abs().max_element();
+    let size = bounds.size().max_element();
+    (away > FAR.max(SIZES * size)).then_some(away)
+}
+
+fn too_far_away(away: f64, advice: &str) -> String {
+    format!(
+        "its coordinates are {:.0} m from the origin, too far for a body of its \
+         size to be exact; {advice}",
+        away / 1000.0
+    )
 }
 
 const ANCHOR: &[(&str, Anchor)] = pairs! {

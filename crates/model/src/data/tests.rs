@@ -12,6 +12,67 @@ fn script(text: &str) -> Source {
     Source::script("part", text)
 }
 
+/// A cube of 20 mm, as text, whose lower corner is at x.
+fn cube(x: f64) -> String {
+    let corner =
+        |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 0 { 0.0 } else { 20.0 });
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let mut text = String::new();
+    for k in 0..8 {
+        let [a, b, c] = corner(k);
+        text += &format!("v {} {b} {c}\n", a + x);
+    }
+    for [a, b, c, d] in faces.map(|face| face.map(|k| k + 1)) {
+        text += &format!("f {a} {b} {c} {d}\n");
+    }
+    text
+}
+
+#[test]
+fn a_mesh_far_from_the_origin_is_moved_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let room = BuildVolume {
+        x: 220.0,
+        y: 220.0,
+        z: 250.0,
+    };
+    for (x, is_far) in
+        [(0.0, false), (10_000.0, false), (5e5, true), (1e7, true)]
+    {
+        let path = folder.path().join(format!("at{x}.obj"));
+        fs::write(&path, cube(x)).unwrap();
+        let loaded = load(&Source::File(path), &[]).unwrap();
+        assert_eq!(loaded.moved.x != 0.0, is_far, "{x}");
+        assert_eq!(loaded.notes.len(), usize::from(is_far), "{x}");
+        let model = place(&loaded, &Placement::default(), room).unwrap();
+        let off = model.bounds.size() - 20.0;
+        assert!(off.abs().max_element() < 2e-3, "{x}: {off}");
+        let middle = model.printed_bounds().centre() - 110.0;
+        assert!(middle.truncate().abs().max_element() < 2e-3, "{x}");
+        // Kept where it is, it is not on the bed.
+        let kept = Placement {
+            keep_position: true,
+            ..Placement::default()
+        };
+        let error = place(&loaded, &kept, room).err().map(|e| e.to_string());
+        let away = error.is_some_and(|e| e.contains("m away from the printer"));
+        assert_eq!(away, is_far, "{x}");
+        // A script may need it where it is.
+        let script = folder.path().join("part.rhai");
+        fs::write(&script, format!("mesh(\"at{x}.obj\")")).unwrap();
+        let error = load(&Source::File(script), &[]).err();
+        let error = error.map(|e| format!("{e:?}")).unwrap_or_default();
+        assert_eq!(error.contains("from the origin"), is_far, "{error}");
+    }
+}
+
 #[test]
 fn a_script_is_not_blamed_for_the_making_of_data() {
     // The letters take a second, in a script that may take a third.

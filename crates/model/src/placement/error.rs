@@ -85,6 +85,16 @@ pub enum PlaceError {
         /// Sides and by how much they are exceeded.
         excess: String,
     },
+    /// The part's coordinates lie far from the printer.
+    #[error(
+        "with --keep-position the part would be {metres:.0} m away from the \
+         printer, where its coordinates are; leave the option out to have it \
+         centred, or move it in the program that made it"
+    )]
+    TooFar {
+        /// How far from the origin they are, m.
+        metres: f64,
+    },
     /// Nothing of the part is above the bed.
     #[error(
         "with --keep-position all of the part lies below the bed (its top is \

@@ -249,6 +249,11 @@ pub fn place(
              inches)"
         ));
     }
+    if placement.keep_position && loaded.moved != DVec3::ZERO {
+        return Err(PlaceError::TooFar {
+            metres: loaded.moved.abs().max_element() / 1000.0,
+        });
+    }
     let offset = offset(&bounds, placement, volume)?;
     let origin = match far_out(&tree, &bounds, &mut warnings)? {
         Some((near, origin)) => {
@@ -452,6 +457,15 @@ fn offset(
     if max.z <= 0.0 {
         return Err(PlaceError::BelowBed { top_mm: max.z });
     }
+    let around = if placement.margin > FIT_TOLERANCE_MM {
+        format!(
+            ", with {:.2} mm around it for raft.expansion, xy_compensation and \
+             fuzzy.thickness",
+            placement.margin
+        )
+    } else {
+        String::new()
+    };
     // What lies below the bed is not printed and needs no room.
     let mut size = bounds.size() + 2.0 * margin;
     size.z = max.z - min.z.max(0.0);
@@ -463,7 +477,7 @@ fn offset(
         return Err(PlaceError::TooLarge {
             size: sizes(size),
             volume: sizes(room),
-            excess: too_large.join(", "),
+            excess: too_large.join(", ") + &around,
         });
     }
     let mut beyond = Vec::new();
@@ -477,7 +491,7 @@ fn offset(
     }
     if !beyond.is_empty() {
         return Err(PlaceError::OffBed {
-            excess: beyond.join(", "),
+            excess: beyond.join(", ") + &around,
         });
     }
     Ok(offset)

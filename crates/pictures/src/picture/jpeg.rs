@@ -146,23 +146,35 @@ mod tests {
             (7, true, false),
             (8, false, false),
         ] {
-            let mut exif =
-                b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0"
-                    .to_vec();
-            exif.extend([orientation, 0, 0, 0, 0, 0, 0, 0]);
-            let mut file = plain[..2].to_vec();
-            file.extend([0xff, 0xe1, 0, exif.len() as u8 + 2]);
-            file.extend(exif);
-            file.extend(&plain[2..]);
-            let options = PictureOptions::default();
-            let picture = Picture::read("x.jpg", &file, &options).unwrap();
-            let [w, h] = picture.pixels();
-            assert_eq!(orientation > 4, w == 16 && h == 24);
-            let x = if right { w - 4 } else { 4 } as f64;
-            let y = if top { h - 4 } else { 4 } as f64;
-            let corner = |x: f64, y: f64| picture.value(DVec3::new(x, y, 0.0));
-            assert!(corner(x, y) < 0.1, "{orientation}");
-            assert!(corner(w as f64 - x, h as f64 - y) > 0.7, "{orientation}");
+            // Both orders of bytes; the first header is at the beginning, or
+            // behind that of JFIF.
+            let little: &[u8] =
+                b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0";
+            let big: &[u8] = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01";
+            let jfif = 4 + usize::from(plain[5]);
+            for (order, number, at) in [
+                (little, [orientation, 0, 0, 0], 2),
+                (big, [0, orientation, 0, 0], 2),
+                (big, [0, orientation, 0, 0], jfif),
+            ] {
+                let exif =
+                    [b"Exif\0\0", order, &number, &[0, 0, 0, 0]].concat();
+                let mut file = plain[..at].to_vec();
+                file.extend([0xff, 0xe1, 0, exif.len() as u8 + 2]);
+                file.extend(exif);
+                file.extend(&plain[at..]);
+                let options = PictureOptions::default();
+                let picture = Picture::read("x.jpg", &file, &options).unwrap();
+                let [w, h] = picture.pixels();
+                assert_eq!(orientation > 4, w == 16 && h == 24);
+                let x = if right { w - 4 } else { 4 } as f64;
+                let y = if top { h - 4 } else { 4 } as f64;
+                let corner =
+                    |x: f64, y: f64| picture.value(DVec3::new(x, y, 0.0));
+                assert!(corner(x, y) < 0.1, "{orientation}");
+                let far = corner(w as f64 - x, h as f64 - y);
+                assert!(far > 0.7, "{orientation}");
+            }
         }
     }
 

@@ -322,10 +322,25 @@ pub(super) fn nozzle_temperatures(given: &Given<'_>) -> Outcome {
         "nozzle_temperature_intial_layer",
     ];
     let first = positive(given, &keys);
-    Outcome::known([
+    let found = [
         ("filament.nozzle_temperature", above.or(first)),
         ("filament.first_layer_nozzle_temperature", first.or(above)),
-    ])
+    ];
+    let odd = keys.iter().find(|key| {
+        given.values.first(key).is_some() && given.number(key).is_none()
+    });
+    let known = Outcome::known(found);
+    match (odd, known) {
+        (Some(key), Outcome::Set(settings)) => Outcome::Alike(
+            settings,
+            format!(
+                "{} is not a number, so that of the other layers is taken: write \
+                 it yourself",
+                given.values.shown(key)
+            ),
+        ),
+        (_, known) => known,
+    }
 }
 
 /// The plates of OrcaSlicer: names in its lists, and the keys of their
@@ -869,7 +884,16 @@ pub(super) fn supports(given: &Given<'_>) -> Outcome {
     if !said {
         return nothing("whether to print supports is not said");
     }
-    supported(on && !by_hand, plate)
+    if on && by_hand {
+        let why = "its supports stand only where they are painted or enforced, \
+                   which isoslice does not read; set supports = \"auto\", and \
+                   support.where for the places";
+        return Outcome::Alike(
+            vec![("supports", "off".into())],
+            why.to_owned(),
+        );
+    }
+    supported(on, plate)
 }
 
 /// Supports, if there are some, on the bed only or anywhere.

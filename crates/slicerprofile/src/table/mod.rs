@@ -298,6 +298,15 @@ mod tests {
         let other = alike(Slicer::Orca, "sparse_infill_pattern=crosshatch");
         assert!(other[0].contains("gyroid is the most like it"), "{other:?}");
         assert_eq!(alike(Slicer::Prusa, "fill_pattern=stars").len(), 1);
+        let painted = "support_material=1; support_material_auto=0";
+        let painted = alike(Slicer::Prusa, painted);
+        assert!(painted[0].contains("painted or enforced"), "{painted:?}");
+        let off = "support_material=0; support_material_auto=0";
+        assert_eq!(alike(Slicer::Prusa, off), [""; 0]);
+        let odd =
+            "nozzle_temperature=210; nozzle_temperature_initial_layer=abc";
+        let odd = alike(Slicer::Orca, odd);
+        assert!(odd[0].starts_with("abc is not a number"), "{odd:?}");
         assert_eq!(alike(Slicer::Cura, "infill_pattern=tetrahedral").len(), 1);
         let all = |slicer, key: &str, words: &[(&str, &str)]| {
             for (word, ours) in words {

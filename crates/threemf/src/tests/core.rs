@@ -120,3 +120,46 @@ fn production_and_projects_of_slicers() {
     assert_eq!(extent(&body), unit_cube());
     assert_eq!(body.notes, ["left out a modifier"]);
 }
+
+/// What slicers paint on triangles, and a project's settings, are not used.
+#[test]
+fn what_a_project_has_besides_the_body_is_told_of() {
+    let cube = cube_object(1, "type=\"model\"");
+    let painted = |attributes: &str| {
+        let cube =
+            cube.replacen("<triangle ", &format!("<triangle {attributes} "), 2);
+        model("millimeter", &cube, ITEM)
+    };
+    for (attribute, told) in [
+        ("paint_supports=\"4\"", "left out painted supports"),
+        ("paint_seam=\"4\"", "left out painted seams"),
+        ("paint_color=\"8\"", "left out painted filaments"),
+    ] {
+        let body = of(&package(&painted(attribute))).unwrap();
+        assert_eq!(body.notes, [told]);
+        assert_eq!(extent(&body), unit_cube());
+    }
+    let prusa = painted("slic3rpe:custom_supports=\"4\"").replacen(
+        "<model ",
+        "<model xmlns:slic3rpe=\"http://schemas.slic3r.org/3mf/2017/06\" ",
+        1,
+    );
+    let bytes = archive(&[
+        (ROOT, &prusa),
+        ("Metadata/Slic3r_PE.config", "; perimeters = 4\n"),
+    ]);
+    assert_eq!(
+        of(&bytes).unwrap().notes,
+        [
+            "left out painted supports",
+            "the project's own settings (Metadata/Slic3r_PE.config) are not \
+             used; isoslice profiles import makes profiles of them",
+        ]
+    );
+    assert!(
+        of(&package(&painted("pid=\"1\"")))
+            .unwrap()
+            .notes
+            .is_empty()
+    );
+}
