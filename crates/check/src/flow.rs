@@ -232,7 +232,9 @@ impl Flow {
             Below::Bed => !self.rise.has_begun(),
         };
         if tells {
-            self.rise.bead(rise, length, area, step.height, step.role);
+            let told = cross_section(step.width, step.height);
+            let said = (step.height, told);
+            self.rise.bead(rise, length, area, said, step.role);
         }
     }
 

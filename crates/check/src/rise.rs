@@ -41,6 +41,9 @@ const NARROWER: f64 = 0.65;
 /// as a share.
 const ALIKE: f64 = 0.05;
 
+/// Number of roles that are told from one another: all that there are.
+const ROLES: usize = 32;
+
 /// Layers over which a raft and its gap may lie. Files that do not say what beads
 /// are for do not tell this gap from a layer that is missing.
 const RAFT: u32 = 10;
@@ -53,6 +56,8 @@ struct Beads {
     rise: f64,
     /// Their height, by what the file says or seems to say, times their length.
     said: f64,
+    /// Their volume, by what the file says.
+    told: f64,
 }
 
 /// What is known of a layer.
@@ -67,8 +72,10 @@ struct Layer {
     /// Length of all beads, and their cross-section on average.
     length: Mm,
     area: Mm2,
-    /// What the beads are for, a bit for each role.
-    roles: u32,
+    /// Their cross-section on average, by what the file says.
+    told: Mm2,
+    /// What most of the beads are for.
+    role: usize,
 }
 
 /// What is wrong with a layer.
@@ -85,8 +92,8 @@ pub(super) enum Wrong {
 pub(super) struct Rise {
     /// The layer's beads, by how far they rise.
     beads: [Beads; RISES + 1],
-    /// What they are for, a bit for each role.
-    roles: u32,
+    /// Their length by what they are for.
+    of_role: [Mm; ROLES],
     last: Option<Layer>,
     /// Least width of the beads of a layer. Cells do not tell a wall from the
     /// next one, so that interlocked walls, each half a layer higher or lower than
@@ -100,7 +107,7 @@ impl Default for Rise {
     fn default() -> Self {
         Rise {
             beads: [Beads::default(); RISES + 1],
-            roles: 0,
+            of_role: [0.0; ROLES],
             last: None,
             narrowest: None,
             layers: 0,
@@ -110,22 +117,24 @@ impl Default for Rise {
 
 impl Rise {
     /// Takes in a piece of a bead that rises by `rise` above what lies below it.
-    /// `said` is its height by what the file says, and `role` what the bead is for.
+    /// `said` are its height and its cross-section by what the file says, and `role` is
+    /// what the bead is for.
     pub(super) fn bead(
         &mut self,
         rise: Mm,
         length: Mm,
         area: Mm2,
-        said: Mm,
+        said: (Mm, Mm2),
         role: Role,
     ) {
-        self.roles |= 1 << role as u32;
+        self.of_role[role as usize % ROLES] += length;
         let rise = rise.clamp(0.0, RISES as f64 * RISE_STEP);
         let beads = &mut self.beads[(rise / RISE_STEP + 0.5) as usize];
         beads.length += length;
         beads.volume += area * length;
         beads.rise += rise * length;
-        beads.said += said * length;
+        beads.said += said.0 * length;
+        beads.told += said.1 * length;
     }
 
     /// True once a layer is known.
@@ -142,9 +151,12 @@ impl Rise {
     ) -> Option<Wrong> {
         let here = summed(&self.beads);
         self.beads.fill(Beads::default());
-        let roles = std::mem::take(&mut self.roles);
-        let here = Layer { roles, ..here? };
-        let unnamed = roles & 1 << Role::Unknown as u32 != 0;
+        let of_role = std::mem::replace(&mut self.of_role, [0.0; ROLES]);
+        let unnamed = of_role[Role::Unknown as usize % ROLES] > 0.0;
+        let roles = 0..ROLES;
+        let most = roles.max_by(|&a, &b| of_role[a].total_cmp(&of_role[b]));
+        let role = most.unwrap_or_default();
+        let here = Layer { role, ..here? };
         let narrowest = self.narrowest.unwrap_or(f64::INFINITY);
         let maybe_raft = unnamed && number <= RAFT;
         // The first layer has a height of its own, and those above it theirs.
@@ -161,10 +173,12 @@ impl Rise {
         self.narrowest = Some(narrowest.min(here.width));
         let last = self.last.replace(here).filter(|_| !maybe_raft)?;
         let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;
-        let same = here.roles == last.roles
+        let same = here.role == last.role
             && alike(here.length, last.length)
             && alike(here.rise, last.rise);
         let share = (here.width / last.width).min(here.area / last.area);
+        // Beads that are meant to be wider have more plastic.
+        let share = share / (here.told / last.told).max(1.0);
         (same && share > FARTHER * steps).then_some(Wrong::Thick { share })
     }
 }
@@ -191,7 +205,8 @@ fn summed(beads: &[Beads]) -> Option<Layer> {
         width: low.volume / low.rise,
         length,
         area: all(|beads| beads.volume) / length,
-        roles: 0,
+        told: all(|beads| beads.told) / length,
+        role: 0,
     })
 }
 
@@ -220,6 +235,7 @@ mod tests {
             } else {
                 Role::Unknown
             };
+            let said = (said, 0.08);
             rise.bead(up, 0.1 * length, area, said, role);
             rise.bead(3.0 * up, 0.9 * length, area, said, role);
             Some((number, rise.next_layer(number, 1.0)?))
@@ -276,7 +292,14 @@ mod tests {
         for (area, role) in
             [(0.08, Role::OuterWall), (0.16, Role::InternalSkin)]
         {
-            rise.bead(0.2, 100.0, area, 0.2, role);
+            rise.bead(0.2, 100.0, area, (0.2, 0.08), role);
+            assert_eq!(rise.next_layer(5, 1.0), None);
+        }
+        // And a bead that is meant to be twice as wide, where a part stands on an edge.
+        let mut rise = Rise::default();
+        for area in [0.05, 0.12] {
+            let role = Role::OuterWall;
+            rise.bead(0.2, 100.0, area, (0.2, area), role);
             assert_eq!(rise.next_layer(5, 1.0), None);
         }
     }

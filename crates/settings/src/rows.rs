@@ -91,7 +91,7 @@ table::settings! {
         inner_wall_width: ByNozzle = ByNozzle::Auto, in 0.05..=10.0;
         /// Narrowest bead for places too thin for whole walls, as a share of
         /// the wall's width; it fills thinner places, too, down to 45% of it, but
-        /// for the tips of wedges.
+        /// for blunt tips.
         thin_min: Percent = 60.0, in 10.0..=100.0;
         /// Widest single bead for thin places, as a share of the wall's width;
         /// wider places get two walls.

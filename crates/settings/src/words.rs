@@ -107,8 +107,8 @@ value::words! {
 
     /// What hides the ooze of travels.
     Hidden {
-        /// Sparse infill in layers that have much of it, the part and its
-        /// walls in others.
+        /// Whatever is inside the part and not a top skin; travels may cross
+        /// inner walls.
         Auto = "auto",
         /// Sparse infill.
         SparseInfill = "sparse-infill",

@@ -273,30 +273,33 @@ fn on(
         if isoslice_base::limits::is_stopped() {
             return None;
         }
-        let Some((stroke, ways_on)) = ground.held(row.stroke) else {
+        let held = ground.held(row.stroke);
+        let held = held.filter(|(line, _)| line.length() >= 0.5 * width);
+        let Some((stroke, ways_on)) = held else {
             continue;
         };
         let Some((begin, end)) = stroke.ends() else {
             continue;
         };
-        if stroke.length() < 0.5 * width {
-            continue;
-        }
         // The line may have been taken back out of some of its parts.
         let (begin, end) = (along.dot(begin), along.dot(end));
         let passed = |(from, to): Way| {
-            let at = along.dot(from);
-            let (a, b) = (at.max(begin), along.dot(to).min(end));
-            (a < b).then(|| (from + (a - at) * along, from + (b - at) * along))
+            let [a, b] = [from, to].map(|p| along.dot(p));
+            let share = |at: Mm| ((at - a) / (b - a)).clamp(0.0, 1.0);
+            let [first, last] = [share(begin), share(end)];
+            (first < last).then(|| (from.lerp(to, first), from.lerp(to, last)))
         };
         let ways = row.ways.into_iter().filter_map(passed);
         let ways = ways.chain(ways_on.into_iter().flatten());
         let strips = ways.filter_map(|(from, to)| strip(from, to, half));
         taken.rings.extend(strips);
-        for (part, own) in row.parts.iter().copied() {
-            has_lines[part] |= passed(own).is_some();
-        }
-        let first = row.parts.first().map_or(0, |(part, _)| *part);
+        let filled = row.parts.into_iter();
+        let filled = filled.filter(|(_, own)| passed(*own).is_some());
+        let filled: Vec<usize> = filled.map(|(part, _)| part).collect();
+        let Some(&first) = filled.first() else {
+            continue;
+        };
+        filled.iter().for_each(|&part| has_lines[part] = true);
         let bead = Bead::new(Role::InternalBridge, stroke, height);
         beads[first].push(bead);
     }
@@ -773,7 +776,7 @@ mod tests {
             })
             .filter(|(a, b)| a.distance(*b) > 1.0)
             .collect();
-        // No line ends in the strip, but at its borders none does either.
+        // No line ends in the strip.
         let ends = lines.iter().flat_map(|(a, b)| [a, b]);
         let inside = ends.filter(|p| p.y.abs() < 0.6 && p.x.abs() < 18.0);
         assert_eq!(inside.count(), 0);

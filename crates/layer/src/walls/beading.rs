@@ -338,7 +338,7 @@ impl Beadings {
         bends: Bends<'_>,
     ) -> Option<Vec<(usize, Axis)>> {
         let [bead, _] = self.of_webs()?;
-        let axis = axis.refined(&self.bounds);
+        let axis = axis.refined(&[web::LEAST * bead]).refined(&self.bounds);
         let mut numbers = self.numbers(&axis, bends);
         web::lay(&axis, bead, &mut numbers)
             .then(|| self.parts(&axis, &numbers, true))

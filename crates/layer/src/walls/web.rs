@@ -12,8 +12,8 @@
 //! into what a web holds together, and numbers with one bead along each web and each fin.
 //!
 //! An axis ends where the sides of the area lie at an angle, as they do beside most
-//! webs. Where a wedge ends in a point it is too thin for a short way only: that is
-//! no fin, and its bead ends where it is as thin as a bead can be.
+//! webs. In the tip of a wedge only a short way is too thin, unless the wedge is sharp:
+//! that is no fin, and the bead ends where the wedge is as thin as a bead can be.
 
 use super::medial_axis::Axis;
 use glam::DVec2;
@@ -23,8 +23,8 @@ use isoslice_planar::grid::EdgeGrid;
 /// Least thickness of a web or a fin, as a share of the thinnest bead's width. With the
 /// usual widths the bead sticks out by 0.075 mm on each side at most.
 pub const LEAST: f64 = 0.45;
-/// Least length of a thin place that ends free, mm. Tips with sides 14° apart or more
-/// are shorter.
+/// Least length of a thin place that does not lie between thicker ones, mm. In tips with
+/// sides more than 14° apart it is shorter.
 const FIN: Mm = 0.6;
 /// Length of the axis that tells its direction, mm.
 const STRAIGHT: Mm = 0.15;
@@ -43,16 +43,17 @@ pub(super) fn led_on(
     grid: &EdgeGrid,
     [bead, wall]: [Mm; 2],
 ) -> Option<Axis> {
-    let is_web = |t: Mm| (LEAST * bead..bead).contains(&t);
-    if !axis.thickness.iter().any(|t| is_web(*t)) {
+    let least = LEAST * bead;
+    let is_web = |a: Mm, b: Mm| a.min(b) < bead && a.max(b) > least;
+    if !axis.segments().any(|(a, b)| is_web(a.1, b.1)) {
         return None;
     }
     let mut axis = axis.clone();
     if axis.closed || axis.points.len() < 2 {
         return Some(axis);
     }
-    // A fin begins beside the wall of what it stands on, whose ring stays whole. Only
-    // what is thin from end to end and opens at both is led on.
+    // A fin is not led on into what it stands on. Only what is thin from end to end and
+    // opens at both is.
     let fin = axis
         .thickness
         .iter()
@@ -119,7 +120,8 @@ fn way_out(
 }
 
 /// Gives one bead to the webs and fins of an axis, places thinner than a bead of thickness
-/// `bead` that lie between thicker ones or are long, and to what has no bead beside them.
+/// `bead` that lie between thicker ones or are long, and to thicker places without a bead
+/// beside them.
 /// Returns true if there are any.
 pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) -> bool {
     let segments: Vec<_> = axis.segments().collect();
@@ -150,7 +152,8 @@ pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) -> bool {
         if !is_web && length < FIN {
             continue;
         }
-        let bare = |k: &usize| thick(*k) && numbers[k % n] == 0;
+        // A fin ends at the wall of what it stands on, whose ring stays whole.
+        let bare = |k: &usize| is_web && thick(*k) && numbers[k % n] == 0;
         let before = (begin - begin.min(n)..begin).rev();
         let before = before.take_while(|k| *k >= first - turn && bare(k));
         let after = (end..stop + turn).take(n).take_while(bare);

@@ -12,10 +12,10 @@
 //! for a corner, the corner beside it. Where these lie in another order, as beside
 //! corners that move along the line, those at fault share one place: the positions along
 //! the line are fitted by ones that never go back (pool adjacent violators; Barlow
-//! et al. 1972). So no turn folds back on itself, whatever the part does from
-//! one layer to the next.
+//! et al. 1972). A turn between two lines that run the same way does not fold back
+//! on itself then.
 
-use super::ring::{Point, corner, sides};
+use super::ring::{Point, along, corner, sides};
 use glam::DVec2;
 use isoslice_base::units::Mm;
 use isoslice_planar::grid::EdgeGrid;
@@ -28,12 +28,18 @@ const CELL: Mm = 0.5;
 const CORNER_REACH: f64 = 4.0;
 
 /// A place on the other side of a thin part is no place to go on from. One on the right
-/// side is looked for this many times as far away.
-const OTHER_SIDE: f64 = 16.0;
+/// side is looked for no farther away than this, mm: walls that move farther from one
+/// layer to the next do not lie on each other.
+const OTHER_SIDE: Mm = 2.0;
 
-/// How much more than other points a corner counts where the order is mended, and how
-/// much more the ends of the turn, which are known.
-const WEIGHTS: [f64; 2] = [1e3, 1e6];
+/// What a corner counts where the order is mended, where a point within a side counts 1.
+const CORNER_WEIGHT: f64 = 1e3;
+
+/// What the ends of a turn count, which are known.
+const END_WEIGHT: f64 = 1e6;
+
+/// What a point counts that has no place nearby: it goes where its neighbours do.
+const LOST_WEIGHT: f64 = 1e-3;
 
 /// Positions that are fitted by one, and what they count.
 struct Block {
@@ -59,21 +65,23 @@ pub(super) fn feet(points: &[Point], below: &[DVec2]) -> Vec<DVec2> {
     });
     let position = |p: &Point| -> (Mm, f64) {
         let Some((side, foot)) = foot(&grid, p) else {
-            return (p.share * length, 1.0);
+            return (p.share * length, LOST_WEIGHT);
         };
         let reach = CORNER_REACH * foot.distance(p.at);
         let beside = is_left(p.corner).and_then(|left| {
             corners[usize::from(left)].nearest_within(p.at, reach)
         });
+        let same_way = |i: usize| along(below, i).dot(p.along) > 0.0;
+        let beside = beside.filter(|(i, _)| same_way(*i));
         match beside {
-            Some((i, _)) => (ends[i], WEIGHTS[0]),
+            Some((i, _)) => (ends[i], CORNER_WEIGHT),
             None => (ends[side] + below[side].distance(foot), 1.0),
         }
     };
     let last = points.len().saturating_sub(1);
     let positions = points.iter().enumerate().map(|(i, p)| match i {
-        0 => (0.0, WEIGHTS[1]),
-        i if i == last => (length, WEIGHTS[1]),
+        0 => (0.0, END_WEIGHT),
+        i if i == last => (length, END_WEIGHT),
         _ => {
             let (at, weight) = position(p);
             // The line is closed: of the two ends of it the nearer one counts.
@@ -108,15 +116,15 @@ fn foot(grid: &EdgeGrid, p: &Point) -> Option<(usize, DVec2)> {
     if same_way(side) {
         return Some((side, foot));
     }
-    let reach = OTHER_SIDE * foot.distance(p.at);
     let mut near = Vec::new();
-    grid.visit_edges_near(p.at, p.at, reach, |side| {
+    grid.visit_edges_near(p.at, p.at, OTHER_SIDE, |side| {
         if same_way(side) {
             near.push(side as u32);
         }
     });
     near.sort_unstable();
-    grid.nearest_of(&near, p.at, reach)
+    near.dedup();
+    grid.nearest_of(&near, p.at, OTHER_SIDE)
 }
 
 /// Positions with their weights, fitted by ones that never go back.

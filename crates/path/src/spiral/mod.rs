@@ -233,21 +233,20 @@ impl Spiral {
         if let (Some(&end), Some(first)) = (end, ring.first_mut()) {
             *first = end;
         }
-        // How far the middle of the material below the nozzle is above the middle
-        // of the layer below where the turn begins, and the material's height there.
-        let (low, from) = match number {
-            0 => (span.bottom, 0.0),
-            _ => (below.sample_z(), below.height()),
-        };
+        // Share of the way between the two layers' middles that is still ahead where
+        // the turn begins, and the material's height there.
         let rises = span.sample_z() - below.sample_z();
-        let back = (span.sample_z() - low) / rises;
+        let (ahead, from) = match number {
+            0 => ((span.sample_z() - span.bottom) / rises, 0.0),
+            _ => (1.0, below.height()),
+        };
         let start = self.start_of(span.index, wall);
         let on = begin(&on, start.unwrap_or(ring[0]));
         let points = points(&ring);
         let on = feet(&points, &on).into_iter();
         let way = points.iter().zip(on);
         let mut way: Vec<DVec2> = way
-            .map(|(p, on)| p.at.lerp(on, back * (1.0 - p.share)))
+            .map(|(p, on)| p.at.lerp(on, ahead * (1.0 - p.share)))
             .collect();
         if let (Some(start), Some(p)) = (start, way.first_mut()) {
             *p = start;

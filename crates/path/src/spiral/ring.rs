@@ -10,8 +10,8 @@ use isoslice_planar::grid::nearest_on;
 /// Greatest distance of a turn's points, mm.
 const STEP: Mm = 0.25;
 
-/// Sine of the angle from which a corner is kept as one. Arcs turn by less from one
-/// of their sides to the next.
+/// Turn from which on a point of a ring is a corner, radians. The arcs of an offset turn
+/// by 0.3 from one of their sides to the next with the usual accuracy.
 const CORNER: f64 = 0.5;
 
 /// A point of a turn.
@@ -37,6 +37,12 @@ fn directions(ring: &[DVec2], i: usize) -> [DVec2; 2] {
     let n = ring.len();
     [i + n - 1, i]
         .map(|i| (ring[(i + 1) % n] - ring[i % n]).normalize_or_zero())
+}
+
+/// The way in which a ring runs at a point.
+pub(super) fn along(ring: &[DVec2], i: usize) -> DVec2 {
+    let [before, after] = directions(ring, i);
+    before + after
 }
 
 /// Greater than 0 if a ring has a corner to the left at a point, less than 0 if it has
@@ -65,11 +71,10 @@ pub(super) fn points(ring: &[DVec2]) -> Vec<Point> {
     let mut points = Vec::new();
     let mut done = 0.0;
     for (i, (a, b)) in sides(ring).enumerate() {
-        let [before, after] = directions(ring, i);
         points.push(Point {
             at: a,
             share: done / length,
-            along: before + after,
+            along: along(ring, i),
             corner: corner(ring, i),
         });
         let step = a.distance(b);
@@ -79,7 +84,7 @@ pub(super) fn points(ring: &[DVec2]) -> Vec<Point> {
             points.push(Point {
                 at: a.lerp(b, t),
                 share: (done + t * step) / length,
-                along: after,
+                along: b - a,
                 corner: 0.0,
             });
         }

@@ -136,6 +136,11 @@ impl<'a> Obstacles<'a> {
             })
     }
 
+    /// True for an outer wall, be it held or not.
+    fn is_outer(&self, bead: &Bead) -> bool {
+        bead.role == Role::OuterWall || self.hangs_outside(bead)
+    }
+
     fn grid(&self, wanted: impl Fn(&Bead) -> bool) -> EdgeGrid {
         self.grid_of(|bead, _| wanted(bead))
     }
@@ -181,9 +186,10 @@ impl<'a> Obstacles<'a> {
     pub(super) fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
         let middle = 0.5 * self.width;
         let near = middle + NEAR * self.width;
-        let own = self.beads.get(next.saturating_sub(1)..=next);
-        let own = own.unwrap_or_default().iter();
-        let own: Vec<&Bead> = own.filter(|b| !b.stroke.closed).collect();
+        let own = self.beads.iter().skip(next.saturating_sub(1));
+        let own = own.take(if next == 0 { 1 } else { 2 });
+        let is_open = |b: &&Bead| !b.stroke.closed && self.is_outer(b);
+        let own: Vec<&Bead> = own.filter(is_open).collect();
         let grid = self.ground.outline().grid();
         let clear = |p: DVec2, q: DVec2| grid.clear(p, q, near);
         let along = trimmed(points, self.width);
@@ -196,7 +202,7 @@ impl<'a> Obstacles<'a> {
         // where they go on as two beads.
         let open = self.open.get_or_init(|| {
             self.grid(|b| {
-                (b.role == Role::OuterWall || self.hangs_outside(b))
+                self.is_outer(b)
                     && (!b.stroke.closed || !b.stroke.widths.is_empty())
             })
         });
@@ -209,10 +215,12 @@ impl<'a> Obstacles<'a> {
             let mut crossed = false;
             open.visit_crossed(p[0], p[1], |t, edge| {
                 let i = open.owner(edge);
-                let own = i == next || i + 1 == next;
                 let at = p[0].lerp(p[1], t);
-                let tip = !self.beads[i].stroke.closed && self.is_tip(at);
-                crossed |= !own || !(at_end(at) || tip);
+                let may = || {
+                    let open = !self.beads[i].stroke.closed;
+                    at_end(at) || open && self.is_tip(at)
+                };
+                crossed |= !(i == next || i + 1 == next) || !may();
             });
             crossed
         };
@@ -232,7 +240,7 @@ impl<'a> Obstacles<'a> {
     }
 
     /// True if the outline is as near to a place on one side of it as on the other, as
-    /// it is in tips.
+    /// it is in tips, and in all places that one bead fills.
     fn is_tip(&self, p: DVec2) -> bool {
         let grid = self.ground.outline().grid();
         let side = grid.nearest_edge(p, self.width);
