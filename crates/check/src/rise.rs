@@ -289,9 +289,7 @@ mod tests {
         assert_eq!(found(&layers, true), []);
         // So may skin that comes where there was a wall.
         let mut rise = Rise::default();
-        for (area, role) in
-            [(0.08, Role::OuterWall), (0.16, Role::InternalSkin)]
-        {
+        for (area, role) in [(0.08, Role::OuterWall), (0.16, Role::Skin)] {
             rise.bead(0.2, 100.0, area, (0.2, 0.08), role);
             assert_eq!(rise.next_layer(5, 1.0), None);
         }

@@ -48,8 +48,6 @@ pub struct Spot {
 /// The search from one point.
 struct Search {
     spot: Spot,
-    /// Height of the point's plane in the model's frame, mm.
-    z: Mm,
     inside: bool,
     /// Signed distances between which the sign changes. At the first one the
     /// field has the sign that it has at the point itself.
@@ -130,30 +128,27 @@ impl Probe {
         z: Mm,
     ) -> Result<Vec<Option<Mm>>, ProbeError> {
         let outside = |s: &Search| {
-            let way = s.way()?.abs();
+            let (a, b) = s.bracket?;
+            let way = 0.5 * (a + b).abs();
             Some(if s.inside { -way } else { way })
         };
-        let found = self.search(spots.iter().map(|&spot| (spot, z)))?;
+        let found = self.search(spots, z)?;
         Ok(found.iter().map(outside).collect())
     }
 
     /// Looks for the changes of sign nearest to spots.
-    fn search(
-        &self,
-        spots: impl Iterator<Item = (Spot, Mm)>,
-    ) -> Result<Vec<Search>, ProbeError> {
+    fn search(&self, spots: &[Spot], z: Mm) -> Result<Vec<Search>, ProbeError> {
         // The field at given distances from the spots.
         let at = |from: &[&Search], away: &dyn Fn(&Search) -> Mm| {
             let p = from.iter().map(|s| s.spot.at + away(s) * s.spot.out);
             let (x, y): (Vec<f32>, Vec<f32>) =
                 p.map(|p| (p.x as f32, p.y as f32)).unzip();
-            let z: Vec<f32> = from.iter().map(|s| s.z as f32).collect();
-            self.values(&x, &y, &z)
+            self.values(&x, &y, &vec![z as f32; x.len()])
         };
         let mut all: Vec<Search> = spots
-            .map(|(spot, z)| Search {
+            .iter()
+            .map(|&spot| Search {
                 spot,
-                z,
                 inside: false,
                 bracket: None,
             })
@@ -224,13 +219,6 @@ impl Probe {
             }
         }
         Ok(all)
-    }
-}
-
-impl Search {
-    /// Signed way to the change of sign, if there is one.
-    fn way(&self) -> Option<Mm> {
-        self.bracket.map(|(a, b)| 0.5 * (a + b))
     }
 }
 

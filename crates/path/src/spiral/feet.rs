@@ -155,3 +155,77 @@ fn in_order(
     let each = |block: Block| std::iter::repeat_n(block.position, block.count);
     blocks.into_iter().flat_map(each)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spiral::ring::{begin, points};
+
+    fn square(half: f64, at: DVec2) -> Vec<DVec2> {
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        corners.map(|p| at + half * DVec2::from(p)).to_vec()
+    }
+
+    #[track_caller]
+    fn assert_in_order(feet: &[DVec2], below: &[DVec2]) {
+        let positions = feet.iter().map(|foot| {
+            let mut done = 0.0;
+            let mut best = (f64::INFINITY, 0.0);
+            for (a, b) in sides(below) {
+                let q = isoslice_planar::grid::nearest_on(*foot, a, b);
+                if q.distance(*foot) < best.0 - 1e-9 {
+                    best = (q.distance(*foot), done + a.distance(q));
+                }
+                done += a.distance(b);
+            }
+            best
+        });
+        let positions: Vec<_> = positions.collect();
+        assert!(positions.iter().all(|p| p.0 < 1e-9));
+        let inner = &positions[1..positions.len() - 1];
+        assert!(inner.is_sorted_by(|a, b| a.1 <= b.1 + 1e-9), "{inner:?}");
+    }
+
+    #[test]
+    fn corners_go_on_from_corners() {
+        for (half, at) in [
+            (4.8, DVec2::ZERO),
+            (5.2, DVec2::ZERO),
+            (5.0, DVec2::splat(0.3)),
+        ] {
+            let ring = square(5.0, DVec2::ZERO);
+            let below = begin(&square(half, at), ring[0]);
+            let points = points(&ring);
+            let feet = feet(&points, &below);
+            assert_in_order(&feet, &below);
+            // Where the turn begins is known before.
+            let all = points.iter().zip(&feet).skip(1);
+            for (p, foot) in all.filter(|(p, _)| p.corner != 0.0) {
+                let corner = at + half / 5.0 * p.at;
+                assert!(foot.distance(corner) < 0.01, "{foot} {corner}");
+            }
+        }
+    }
+
+    /// A strip 0.3 mm wide that moves by more than half of that.
+    #[test]
+    fn places_on_the_other_side_are_none() {
+        let strip = |y: f64| {
+            let ring = [(0.0, y), (9.0, y), (9.0, y + 0.3), (0.0, y + 0.3)];
+            ring.map(DVec2::from).to_vec()
+        };
+        let (ring, below) = (strip(0.0), strip(0.2));
+        let points = points(&ring);
+        let feet = feet(&points, &begin(&below, ring[0]));
+        for (p, foot) in points.iter().zip(&feet) {
+            assert!(p.at.distance(*foot) < 0.35, "{} {foot}", p.at);
+        }
+    }
+
+    #[test]
+    fn positions_that_go_back_share_one() {
+        let given = [(0.0, 1.0), (3.0, 1.0), (1.0, 1.0), (4.0, 1.0)];
+        let fitted: Vec<_> = in_order(given.into_iter()).collect();
+        assert_eq!(fitted, [0.0, 2.0, 2.0, 4.0]);
+    }
+}

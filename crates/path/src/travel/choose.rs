@@ -36,27 +36,6 @@ const OFF_BORDER: f64 = 0.25;
 /// that they avoid.
 const MOST_ROUND: f64 = 3.0;
 
-/// What hides travels in a layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Cover {
-    /// Sparse infill.
-    Infill,
-    /// The part, where no wall is crossed.
-    Part,
-    /// The part, where no outer wall is crossed.
-    Walls,
-}
-
-impl From<Hidden> for Cover {
-    fn from(hidden: Hidden) -> Cover {
-        match hidden {
-            Hidden::SparseInfill => Cover::Infill,
-            Hidden::Covered => Cover::Part,
-            Hidden::Auto => Cover::Walls,
-        }
-    }
-}
-
 /// Finds the travels of a layer.
 pub(super) struct Planner<'a> {
     ground: Ground<'a>,
@@ -70,7 +49,6 @@ pub(super) struct Planner<'a> {
     /// How far travels keep from the outline where they can. At this distance a
     /// travel is inside all walls.
     clearance: Mm,
-    cover: Cover,
     plan: &'a TravelPlan,
 }
 
@@ -89,7 +67,6 @@ impl<'a> Planner<'a> {
             sparse: OnceCell::new(),
             covered: OnceCell::new(),
             clearance,
-            cover: plan.retract.hidden.into(),
             plan,
         }
     }
@@ -194,8 +171,9 @@ impl<'a> Planner<'a> {
         // A travel that is retracted goes straight, unless the straight way
         // leads over what shows.
         let in_the_way = self.is_in_the_way(&direct, next);
+        let retract = &self.plan.retract;
         let may_hide =
-            self.cover != Cover::Infill && self.plan.retract.when_crossing;
+            retract.hidden != Hidden::SparseInfill && retract.when_crossing;
         if !in_the_way && !may_hide {
             return straight();
         }
@@ -299,18 +277,19 @@ impl<'a> Planner<'a> {
             && self.obstacles.top(way, next)
     }
 
-    /// True if the ooze on a way is hidden, and the way crosses no wall.
+    /// True if the ooze on a way is hidden, and the way crosses no wall that counts.
     fn hidden(&self, way: &[DVec2], next: usize) -> bool {
         let retract = &self.plan.retract;
         let o = &self.obstacles;
         retract.when_crossing
-            && match self.cover {
-                Cover::Infill => {
+            && match retract.hidden {
+                Hidden::SparseInfill => {
                     o.within_infill(way)
                         && !(retract.check_walls && o.wall(way))
                 }
-                cover => {
-                    let inner = || cover == Cover::Part && o.inner_wall(way);
+                hidden => {
+                    let covered = hidden == Hidden::Covered;
+                    let inner = || covered && o.inner_wall(way);
                     !o.air(way)
                         && !(retract.check_walls
                             && (o.outer_wall(way, next) || inner()))

@@ -12,10 +12,11 @@
 //! ```
 //!
 //! A way is hidden if it stays inside the part, behind the outer walls, and off top
-//! skin. A gap between two islands is air, however thin. Where a setting asks for it,
-//! every part of a way has to lie over sparse infill ([`Obstacles::within_infill`]), and
-//! no wall may be crossed ([`Obstacles::wall`]). A way that touches a wall, or comes
-//! nearer to its middle than half a line's width, crosses it.
+//! skin; with one setting it may not cross inner walls, either. A gap between two
+//! islands is air, however thin. With another setting every part of a way has to lie
+//! over sparse infill ([`Obstacles::within_infill`]), and no wall may be crossed
+//! ([`Obstacles::wall`]). A way that touches a wall, or comes nearer to its middle than
+//! half a line's width, crosses it.
 //!
 //! A layer's walls and sparse infill are put into grids when the first way asks
 //! for them. Only parts that share a grid's cells and overlap with a way's box
@@ -28,7 +29,7 @@ use isoslice_base::units::Mm;
 use isoslice_planar::Rect;
 use isoslice_planar::along::parted;
 use isoslice_planar::bead::{Bead, Role};
-use isoslice_planar::grid::{EdgeGrid, nearest_on};
+use isoslice_planar::grid::EdgeGrid;
 use std::cell::OnceCell;
 
 /// What a travel may cross in a layer.
@@ -50,10 +51,6 @@ pub(super) struct Obstacles<'a> {
 /// width. It is a little less than half, since ways keep half a width away
 /// where they can.
 const NEAR: f64 = 0.4;
-
-/// How differently far the two sides of a tip may be from the middle of its bead, as a
-/// share of a wall's width.
-const EVEN: f64 = 0.3;
 
 /// Share of a depth that remains after rounding.
 const ROUNDED: f64 = 0.95;
@@ -136,11 +133,6 @@ impl<'a> Obstacles<'a> {
             })
     }
 
-    /// True for an outer wall, be it held or not.
-    fn is_outer(&self, bead: &Bead) -> bool {
-        bead.role == Role::OuterWall || self.hangs_outside(bead)
-    }
-
     fn grid(&self, wanted: impl Fn(&Bead) -> bool) -> EdgeGrid {
         self.grid_of(|bead, _| wanted(bead))
     }
@@ -180,29 +172,19 @@ impl<'a> Obstacles<'a> {
     /// True if the way crosses an outer wall or follows one: if it comes too
     /// near to the outline, since the outer walls lie half a line's width
     /// inside it. The way's ends may be on walls, but may not lead over them.
-    /// `next` is the number of the bead that the way leads to. In a tip of the part the
-    /// way may go back along the bead from which it comes, and along the one to which
-    /// it leads.
+    /// `next` is the number of the bead that the way leads to.
     pub(super) fn outer_wall(&self, points: &[DVec2], next: usize) -> bool {
         let middle = 0.5 * self.width;
         let near = middle + NEAR * self.width;
-        let own = self.beads.iter().skip(next.saturating_sub(1));
-        let own = own.take(if next == 0 { 1 } else { 2 });
-        let is_open = |b: &&Bead| !b.stroke.closed && self.is_outer(b);
-        let own: Vec<&Bead> = own.filter(is_open).collect();
-        let grid = self.ground.outline().grid();
-        let clear = |p: DVec2, q: DVec2| grid.clear(p, q, near);
         let along = trimmed(points, self.width);
-        let follows = along.windows(2).any(|p| {
-            let beside = |q: DVec2| !clear(q, q) && !self.is_in_tip(&own, q);
-            !clear(p[0], p[1])
-                && (own.is_empty() || steps(p, middle).any(beside))
-        });
+        let follows = along
+            .windows(2)
+            .any(|p| !self.ground.outline().grid().clear(p[0], p[1], near));
         // Beads of thin places, and walls that grow wider, reach into the part,
         // where they go on as two beads.
         let open = self.open.get_or_init(|| {
             self.grid(|b| {
-                self.is_outer(b)
+                (b.role == Role::OuterWall || self.hangs_outside(b))
                     && (!b.stroke.closed || !b.stroke.widths.is_empty())
             })
         });
@@ -215,12 +197,8 @@ impl<'a> Obstacles<'a> {
             let mut crossed = false;
             open.visit_crossed(p[0], p[1], |t, edge| {
                 let i = open.owner(edge);
-                let at = p[0].lerp(p[1], t);
-                let may = || {
-                    let open = !self.beads[i].stroke.closed;
-                    at_end(at) || open && self.is_tip(at)
-                };
-                crossed |= !(i == next || i + 1 == next) || !may();
+                let own = i == next || i + 1 == next;
+                crossed |= !own || !at_end(p[0].lerp(p[1], t));
             });
             crossed
         };
@@ -228,26 +206,6 @@ impl<'a> Obstacles<'a> {
             || points.windows(2).any(crosses)
             || self.leads_over(points.iter().copied(), middle)
             || self.leads_over(points.iter().rev().copied(), middle)
-    }
-
-    /// True if a place is on one of some beads where that fills a tip of the part.
-    fn is_in_tip(&self, beads: &[&Bead], p: DVec2) -> bool {
-        let mut pieces = beads.iter().flat_map(|b| b.stroke.segments());
-        pieces.any(|(a, b)| {
-            let middle = nearest_on(p, a, b);
-            middle.distance(p) <= 0.5 * self.width && self.is_tip(middle)
-        })
-    }
-
-    /// True if the outline is as near to a place on one side of it as on the other, as
-    /// it is in tips, and in all places that one bead fills.
-    fn is_tip(&self, p: DVec2) -> bool {
-        let grid = self.ground.outline().grid();
-        let side = grid.nearest_edge(p, self.width);
-        side.is_some_and(|(_, side)| {
-            let other = 2.0 * p - side;
-            !grid.clear(other, other, EVEN * self.width)
-        })
     }
 
     /// True if the beginning of a way comes nearer to the outline than the
@@ -301,13 +259,6 @@ impl<'a> Obstacles<'a> {
         let [_, left] = parted(points.iter().copied(), 2.0 * self.width);
         meets(points, &|i| i + 1 < next) || meets(&left, &|i| i + 1 == next)
     }
-}
-
-/// Places along a segment, no farther apart than `step`.
-fn steps(way: &[DVec2], step: Mm) -> impl Iterator<Item = DVec2> {
-    let (a, b) = (way[0], way[1]);
-    let count = (a.distance(b) / step).ceil().clamp(1.0, 1e4);
-    (0..=count as usize).map(move |k| a.lerp(b, k as f64 / count))
 }
 
 /// A way without its first and last `length` mm; empty if nothing is left.
