@@ -136,6 +136,7 @@ const CIRCLES: &[(&str, &[&str])] = &[
             "ini",
             "orca",
             "parents",
+            "project",
             "source",
             "table",
         ],

@@ -79,8 +79,8 @@ pub enum SliceError {
     /// Hardly any of the part is as thick as a line.
     #[error(
         "next to nothing to print: in {looked} places looked at, all over the \
-         part, {share:.0} % of its area is too thin for any line (thinner than \
-         {line:.2} mm, which follows from thin_min); make it thicker, scale it up \
+         part, {share:.0} % of its area is thinner than any line (by thin_min, \
+         {line:.2} mm is enough for one); make it thicker, scale it up \
          with --size or --scale, or lower thin_min or outer_wall_width"
     )]
     TooThin {
