@@ -315,7 +315,7 @@ fn parts_thinner_than_any_bead_nearly_everywhere() {
         format!("max(max(abs(x), max(abs(y), abs(z))) - {half}, {sheet})")
     };
     let thin = [
-        sheets("1", 0.05, 50.0),
+        sheets("1", 0.02, 50.0),
         sheets("1", 0.004, 5.0),
         // Hardly any node meets these sheets.
         sheets("6", 0.05, 6.0),

@@ -304,16 +304,16 @@ mod tests {
 
     #[test]
     fn what_is_too_thin_to_be_printed_needs_none_and_holds_nothing() {
-        // A spike of 0.2 mm, which is 0.5 mm wide in the layer above.
+        // A spike of 0.1 mm, which is 0.5 mm wide in the layer above.
         let plate = rect(0.0, 0.0, 10.0, 10.0);
         let spike =
             |half: f64| union(&plate, &rect(9.0, 5.0 - half, 14.0, 5.0 + half));
         let held = held(0.2, &usual_plan(OverhangPlan::of));
-        let [need, unprinted] = both(&spike(0.1), &plate);
+        let [need, unprinted] = both(&spike(0.05), &plate);
         assert!(need.is_empty(), "{need:?}");
-        let exact = 0.2 * (4.0 - held);
+        let exact = 0.1 * (4.0 - held);
         assert!((unprinted.content() - exact).abs() < 0.02);
-        let [need, unprinted] = both(&spike(0.25), &spike(0.1));
+        let [need, unprinted] = both(&spike(0.25), &spike(0.05));
         assert!(unprinted.is_empty(), "{unprinted:?}");
         let exact = 0.5 * (4.0 - held);
         let found = need.content();

@@ -387,6 +387,7 @@ mod tests {
         let wide = plan_with(SupportPlan::of, |s| {
             s.supports = Supports::Auto;
             s.thin_min = 100.0;
+            s.outer_wall_width = 1.0.into();
         });
         let plan = planned(&outlines, spans(50), &wide);
         let roof = all(&plan, 30);
