@@ -208,3 +208,44 @@ fn beads_that_rise_are_no_fault_in_files_without_comments() {
         assert_eq!(warnings.iter().filter(of_check).count(), 0, "{warnings:?}");
     }
 }
+
+/// A fin on a plate: one that is thinner than the thinnest bead gets that, and one that
+/// gets none is told of.
+#[test]
+fn a_fin_is_printed_or_told_of() {
+    let fin = |thickness: f64| {
+        let half = 0.5 * thickness;
+        let part = format!(
+            "min(max(max(abs(x) - 8, abs(y) - 5), abs(z - 1) - 1), \
+             max(max(abs(x) - 6, abs(y) - {half}), abs(z - 3) - 3))"
+        );
+        let own = settings(&["layer_height=0.2", "first_layer_height=0.2"]);
+        let model = crate::common::formula(&part, &own);
+        let (_, summary) = crate::common::slice(&model, &own, 2);
+        let told = |w: &String| w.contains("the highest 4.0 mm of the part");
+        (summary.layer_count, summary.warnings.iter().any(told))
+    };
+    for thickness in [0.14, 0.2, 0.26, 0.4] {
+        assert_eq!(fin(thickness), (30, false), "{thickness}");
+    }
+    assert_eq!(fin(0.1), (10, true));
+}
+
+/// Skin begins behind a wall that hangs over, scarfs are of wide beads, and a bar stands
+/// on its edge.
+#[test]
+fn layers_unlike_those_below_them_pass() {
+    let waves = "max(max(sqrt(x^2 + y^2) - 15 - 5*sin(z/12) - 0.5*sin(z*2), -z), z - 6)";
+    passes(waves, &["walls=1", "infill_density=0"]);
+    let block = "max(max(abs(x) - 8, abs(y) - 8), abs(z - 2) - 2)";
+    passes(
+        block,
+        &["seam_scarf=20", "layer_height=0.3", "bead_width=180"],
+    );
+    for slope in [0.7, 1.0, 1.3, 1.5] {
+        passes(
+            &format!("max(max(abs(x) - 10, abs(y) - z*{slope}), z - 6)"),
+            &[],
+        );
+    }
+}

@@ -697,6 +697,9 @@ fn an_empty_layer_is_told_of_unless_it_is_the_first_with_a_pad_in_it() {
     let stands = "max(max(abs(x) - z/2, abs(y) - 5), z - 3)";
     assert!(told(stands, "supports=off"));
     assert!(!told(stands, "supports=auto"));
+    // One of 90° is a fin in the first layer.
+    let wide = "max(max(abs(x) - z, abs(y) - 5), z - 3)";
+    assert!(!told(wide, "supports=off"));
     // A plate on a neck that is too thin to print, held by supports.
     let block = |half: f64, from: f64, to: f64| {
         let (middle, high) = (0.5 * (from + to), 0.5 * (to - from));

@@ -121,6 +121,17 @@ struct Step {
     goes_on: bool,
 }
 
+/// The steps below a fin at the part's top. A fin is narrower than its bead, the thinnest
+/// one, and the bead below makes room for it all along but at its ends.
+fn below_fins(steps: Vec<Step>) -> Vec<Step> {
+    let fins = steps.iter().filter(|step| step.width == 0.27);
+    let lowest = fins.map(|step| step.top).fold(f64::INFINITY, f64::min);
+    let below = steps.into_iter();
+    below
+        .filter(|step| step.top < lowest - 1.5 * HEIGHT)
+        .collect()
+}
+
 fn steps(gcode: &str) -> Vec<Step> {
     let end = gcode.find("; end of layers").unwrap();
     let mut head = Head::new(DVec3::new(110.0, 110.0, 0.0));
@@ -315,6 +326,9 @@ fn tops_lie_on_the_surface() {
     {
         let steps = print(&part, &STEEP);
         let name = &part.formula;
+        let share = volume(&steps) / part.volume() - 1.0;
+        assert!(share.abs() < 0.005, "{name}: {share}");
+        let steps = below_fins(steps);
         let Distances {
             own,
             strips,
@@ -329,17 +343,12 @@ fn tops_lie_on_the_surface() {
         assert!(worst(&straight) < 3.0, "{name}: {}", worst(&straight));
         for off in [own, strips].iter().filter(|off| !off.is_empty()) {
             assert!(rms(off) < 2.5, "{name}: {}", rms(off));
-            // At a bend a bead has one height for both of its sides. One that is
-            // wider than its strip sticks out by 0.075 mm, where a top of 15° is
-            // 20 µm lower.
-            assert!(worst(off) < 22.0, "{name}: {}", worst(off));
+            // At a bend a bead has one height for both of its sides.
+            assert!(worst(off) < 18.0, "{name}: {}", worst(off));
         }
-        let share = volume(&steps) / part.volume() - 1.0;
-        assert!(share.abs() < 0.005, "{name}: {share}");
-        // Thinned to 1.5 µm, a way of 0.1 mm bends by 4·1.5/50. Where a bead is wider
-        // than its strip, one end of it comes down by 10 µm within 0.05 mm.
+        // Thinned to 1.5 µm, a way of 0.1 mm bends by 4·1.5/50.
         let bend = sharpest_bend(&part, &steps);
-        assert!(bend < 0.22, "{name}: {bend}");
+        assert!(bend < 0.085, "{name}: {bend}");
         // Level layers are off by half of their height.
         let flat = print(&part, &[]);
         let Distances {

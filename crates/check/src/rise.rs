@@ -41,7 +41,7 @@ const NARROWER: f64 = 0.65;
 /// as a share.
 const ALIKE: f64 = 0.05;
 
-/// Number of roles that are told from one another: all that there are.
+/// Room for what beads are for: there are fewer roles.
 const ROLES: usize = 32;
 
 /// Layers over which a raft and its gap may lie. Files that do not say what beads
@@ -149,14 +149,11 @@ impl Rise {
         number: u32,
         steps: f64,
     ) -> Option<Wrong> {
-        let here = summed(&self.beads);
+        let here = summed(&self.beads, &self.of_role);
         self.beads.fill(Beads::default());
         let of_role = std::mem::replace(&mut self.of_role, [0.0; ROLES]);
         let unnamed = of_role[Role::Unknown as usize % ROLES] > 0.0;
-        let roles = 0..ROLES;
-        let most = roles.max_by(|&a, &b| of_role[a].total_cmp(&of_role[b]));
-        let role = most.unwrap_or_default();
-        let here = Layer { role, ..here? };
+        let here = here?;
         let narrowest = self.narrowest.unwrap_or(f64::INFINITY);
         let maybe_raft = unnamed && number <= RAFT;
         // The first layer has a height of its own, and those above it theirs.
@@ -183,8 +180,10 @@ impl Rise {
     }
 }
 
-/// What the beads of a layer come to.
-fn summed(beads: &[Beads]) -> Option<Layer> {
+/// What the beads of a layer come to, and their lengths by what they are for.
+fn summed(beads: &[Beads], of_role: &[Mm; ROLES]) -> Option<Layer> {
+    let roles = 0..ROLES;
+    let most = roles.max_by(|&a, &b| of_role[a].total_cmp(&of_role[b]));
     let mut low = Beads::default();
     for beads in beads {
         // Beads that lie on others rise alike.
@@ -206,7 +205,7 @@ fn summed(beads: &[Beads]) -> Option<Layer> {
         length,
         area: all(|beads| beads.volume) / length,
         told: all(|beads| beads.told) / length,
-        role: 0,
+        role: most.unwrap_or_default(),
     })
 }
 

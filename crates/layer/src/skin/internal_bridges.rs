@@ -21,8 +21,8 @@
 //! Guarantees: each line ends on a bead of the layer below, or at a wall of its
 //! own layer. It goes on into the layer's sparse area for that, or, where the next
 //! bead is far away, back to the last place that one holds. Lines on both sides of a
-//! narrow strip of sparse area (under a rib, for instance) run through it. Beads count where
-//! they are laid, and not where an area says that there should be some. Not
+//! narrow strip of sparse area (under a rib, for instance) run through it. Beads count
+//! where they are laid, and not where an area says that there should be some. Not
 //! guaranteed: that lines fill all of the skin. One of which an end cannot be
 //! held is left out, and the next layer lies over its place, with bridges unless
 //! it is seen. A place over infill in which no line at all can be held stays skin,
@@ -289,10 +289,6 @@ fn on(
             let [first, last] = [share(begin), share(end)];
             (first < last).then(|| (from.lerp(to, first), from.lerp(to, last)))
         };
-        let ways = row.ways.into_iter().filter_map(passed);
-        let ways = ways.chain(ways_on.into_iter().flatten());
-        let strips = ways.filter_map(|(from, to)| strip(from, to, half));
-        taken.rings.extend(strips);
         let filled = row.parts.into_iter();
         let filled = filled.filter(|(_, own)| passed(*own).is_some());
         let filled: Vec<usize> = filled.map(|(part, _)| part).collect();
@@ -300,6 +296,10 @@ fn on(
             continue;
         };
         filled.iter().for_each(|&part| has_lines[part] = true);
+        let ways = row.ways.into_iter().filter_map(passed);
+        let ways = ways.chain(ways_on.into_iter().flatten());
+        let strips = ways.filter_map(|(from, to)| strip(from, to, half));
+        taken.rings.extend(strips);
         let bead = Bead::new(Role::InternalBridge, stroke, height);
         beads[first].push(bead);
     }
@@ -465,12 +465,10 @@ fn rows_of(parts: &[Area], lines: Lines, width: Mm) -> Vec<(i64, Row)> {
         let all = strokes(area, lines, width, 0.5 * width).into_iter();
         rows.extend(all.map(|(row, stroke)| {
             let parts = stroke.ends().map(|way| (part, way));
-            let parts = parts.into_iter().collect();
-            let ways = Vec::new();
             let own = Row {
-                parts,
+                parts: parts.into_iter().collect(),
                 stroke,
-                ways,
+                ways: Vec::new(),
             };
             (row, own)
         }));

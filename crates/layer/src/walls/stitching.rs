@@ -58,9 +58,8 @@ const STOP: f64 = 0.4;
 /// and a piece of it on which the end can lie. Nearer pieces lead to the end.
 const OWN: f64 = 3.0;
 /// Strokes whose ends lie on others are left out if what is left of them is
-/// shorter than this share of their width: 0.12 mm in each outer corner of a box
-/// with walls of 0.75 mm, for one.
-const STUB: f64 = 0.3;
+/// shorter than this share of their width.
+const STUB: f64 = 0.15;
 /// Greatest overlap of an end with a stroke that is left alone, mm.
 const OVERLAP_LEFT: Mm = 0.005;
 /// A stroke shorter than this many of its widths is a dab.

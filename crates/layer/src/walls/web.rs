@@ -36,8 +36,8 @@ const STEPS: usize = 20;
 /// By how much the area may become thinner in a step, mm: borders are polygons.
 const SLACK: Mm = 0.005;
 
-/// An axis that has webs or fins, led on to where the area is thick if it ends in one; nothing if
-/// it has none. Beads are laid from the thickness `bead` on, and walls close at `wall`.
+/// An axis that has webs or fins, led on to where the area is thick if it is a web or ends
+/// in one; nothing if it has none. Beads are laid from the thickness `bead` on, and walls close at `wall`.
 pub(super) fn led_on(
     axis: &Axis,
     grid: &EdgeGrid,
@@ -119,47 +119,49 @@ fn way_out(
     (way.last()?.1 >= bead).then_some(way)
 }
 
-/// Gives one bead to the webs and fins of an axis, places thinner than a bead of thickness
-/// `bead` that lie between thicker ones or are long, and to thicker places without a bead
-/// beside them.
-/// Returns true if there are any.
+/// Gives one bead to the webs and fins of an axis: places thinner than a bead of thickness
+/// `bead` that lie between thicker ones or are long. Thicker places beside a web that have
+/// no bead get one, too. Returns true if there are any webs or fins.
 pub(super) fn lay(axis: &Axis, bead: Mm, numbers: &mut [usize]) -> bool {
     let segments: Vec<_> = axis.segments().collect();
-    let n = numbers.len();
     let thick = |k: usize| {
-        let (a, b) = segments[k % n];
+        let (a, b) = segments[k];
         0.5 * (a.1 + b.1) >= bead
     };
-    let thin = |k: &usize| {
-        let (a, b) = segments[k % n];
-        !thick(*k) && a.1.min(b.1) >= LEAST * bead
+    let thin = |k: usize| {
+        let (a, b) = segments[k];
+        !thick(k) && a.1.min(b.1) >= LEAST * bead
     };
-    // A closed axis is looked at from another place on, if there is one.
-    let others = (0..n).find(|k| axis.closed && !thin(k));
-    let first = others.unwrap_or(0);
-    // What is bare on both sides of a place may go on beyond a closed axis's ends.
-    let turn = if axis.closed { n } else { 0 };
-    let (first, stop) = (first + turn, first + turn + n);
+    let mut order: Vec<usize> = (0..numbers.len()).collect();
+    // A closed axis is looked at once round, from a place on that has a bead if there is
+    // one: what gets beads here then ends before it.
+    if axis.closed {
+        let has_bead = |&k: &usize| numbers[k] > 0 && !thin(k);
+        let first = order.iter().copied().find(has_bead);
+        let first = first.or(order.iter().copied().find(|&k| !thin(k)));
+        order.rotate_left(first.unwrap_or(0));
+        order.extend(first);
+    }
     let mut laid = false;
-    let mut from = first;
-    while let Some(begin) = (from..stop).find(thin) {
-        let end = (begin..stop).find(|k| !thin(k)).unwrap_or(stop);
+    let mut from = 0;
+    while let Some(begin) = (from..order.len()).find(|&i| thin(order[i])) {
+        let end = (begin..order.len()).find(|&i| !thin(order[i]));
+        let end = end.unwrap_or(order.len());
         from = end;
-        let place = (begin..end).map(|k| &segments[k % n]);
+        let place = order[begin..end].iter().map(|&k| &segments[k]);
         let length: Mm = place.map(|(a, b)| a.0.distance(b.0)).sum();
-        let goes_on = |k: usize| (first..stop + turn).contains(&k) && thick(k);
-        let is_web = begin > first && goes_on(begin - 1) && goes_on(end);
+        let thick_at = |i: usize| order.get(i).is_some_and(|&k| thick(k));
+        let is_web = begin > 0 && thick_at(begin - 1) && thick_at(end);
         if !is_web && length < FIN {
             continue;
         }
         // A fin ends at the wall of what it stands on, whose ring stays whole.
-        let bare = |k: &usize| is_web && thick(*k) && numbers[k % n] == 0;
-        let before = (begin - begin.min(n)..begin).rev();
-        let before = before.take_while(|k| *k >= first - turn && bare(k));
-        let after = (end..stop + turn).take(n).take_while(bare);
-        let whole =
-            before.last().unwrap_or(begin)..=after.last().unwrap_or(end - 1);
-        whole.for_each(|k| numbers[k % n] = 1);
+        let bare = |k: &&usize| is_web && thick(**k) && numbers[**k] == 0;
+        let before = order[..begin].iter().rev().take_while(bare).count();
+        let after = order[end..].iter().take_while(bare).count();
+        for &k in &order[begin - before..end + after] {
+            numbers[k] = 1;
+        }
         laid = true;
     }
     laid
@@ -270,9 +272,9 @@ mod tests {
                 thickness: vec![0.16; N],
                 ..axis
             };
-            let mut none = vec![0; N];
-            lay(&thin, 0.27, &mut none);
-            assert_eq!(none, vec![1; N]);
+            let mut numbers = vec![0; N];
+            lay(&thin, 0.27, &mut numbers);
+            assert_eq!(numbers, vec![1; N]);
         }
     }
 
@@ -286,11 +288,12 @@ mod tests {
             let points = all.flat_map(|s| s.points.clone());
             points.map(|p| p.x).fold(0.0, f64::max)
         };
+        // Those of 0.13 and 0.16 mm are tabs if they are short.
+        let tab = |half: f64| union(&block, &rect(3.9, -half, 4.3, half));
+        assert!(far(&tab(0.065)) < 4.1 && far(&tab(0.08)) < 4.1);
         for thickness in [0.13, 0.16, 0.26] {
             let half = 0.5 * thickness;
             let fin = |to: f64| union(&block, &rect(3.9, -half, to, half));
-            // A bead goes on for a little where it has become too thin for one.
-            assert!(far(&fin(4.3)) < 4.1 || thickness > 0.2, "{thickness}");
             for to in [5.0, 20.0] {
                 // It begins at the block's wall.
                 let walls = walls(&fin(to), None, 0.2, &plan);
@@ -309,6 +312,15 @@ mod tests {
             assert_eq!(pieces(&union(&wide, &fin(14.1))), 1);
         }
         assert_eq!(pieces(&rect(0.0, 0.0, 1.5, 0.1)), 0);
+        // A tip with sides 4° apart is 0.12 mm thick at 13.26, with one of its points
+        // moved or not, and 0.27 mm at 11.13.
+        for off in [0.0, 0.02] {
+            let sharp = [(4.0, -0.384), (15.0, 0.0), (9.5, 0.192 + off)];
+            let sharp = sharp.map(DVec2::from).to_vec();
+            let end = [sharp, vec![DVec2::new(4.0, 0.384)]].concat();
+            let end = far(&Area::from(end));
+            assert!((12.5..13.6).contains(&end), "{off} {end}");
+        }
         // Sides 20° apart: the tip is at 15, and 0.27 mm thick at 14.23.
         let wedge = Area::from(
             [(4.0, -1.94), (15.0, 0.0), (4.0, 1.94)]

@@ -499,6 +499,12 @@ fn travels_behind_the_outer_walls_are_hidden() {
         assert!(!retracts(&part, Hidden::Auto, near));
     }
     assert!(retracts(&part, Hidden::SparseInfill, near));
+    // Infill that is not printed hides nothing.
+    part.sparse = rect(0.0, 0.0, 20.0, 20.0);
+    assert!(!retracts(&part, Hidden::SparseInfill, near));
+    part.plan.hollow = true;
+    assert!(retracts(&part, Hidden::SparseInfill, near));
+    assert!(!retracts(&part, Hidden::Auto, near));
 }
 
 #[test]
